@@ -1,0 +1,16 @@
+from .errors import InputError as InputError
+from .grid import GridSpec as GridSpec
+from .log import Cause as Cause
+from .log import LogTruth as LogTruth
+from .log import SonarLog as SonarLog
+from .logfile import read_log as read_log
+from .mapping import build_map as build_map
+from .mapping import grid_over as grid_over
+from .models import ParameterizedModel as ParameterizedModel
+from .models import SensorModel as SensorModel
+from .models import StandardModel as StandardModel
+from .occupancy import OccupancyMap as OccupancyMap
+from .rings import AMIGOBOT as AMIGOBOT
+from .rings import SonarRing as SonarRing
+from .rings import ring as ring
+from .rings import rings as rings

@@ -1,0 +1,81 @@
+"""The one error that bad input raises, and the checks that raise it.
+
+Every check names the value, the rule and what it got, so that a command can print the message
+as it stands: ``resolution_m must be > 0, got -0.1``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "InputError",
+    "did_you_mean",
+    "finite",
+    "first_row",
+    "non_negative",
+    "positive",
+    "within",
+]
+
+
+class InputError(ValueError):
+    """Input that breaks a rule; the message names the value, the rule and the place."""
+
+
+def finite(name: str, value: float) -> float:
+    """Return `value` as a float if it is a finite number, else raise `InputError`."""
+    number = _number(name, value)
+    if not math.isfinite(number):
+        raise InputError(f"{name} must be a finite number, got {value!r}")
+    return number
+
+
+def positive(name: str, value: float) -> float:
+    """Return `value` as a float if it is finite and > 0, else raise `InputError`."""
+    number = _number(name, value)
+    if not (math.isfinite(number) and number > 0):
+        raise InputError(f"{name} must be > 0, got {value!r}")
+    return number
+
+
+def non_negative(name: str, value: float) -> float:
+    """Return `value` as a float if it is finite and >= 0, else raise `InputError`."""
+    number = _number(name, value)
+    if not (math.isfinite(number) and number >= 0):
+        raise InputError(f"{name} must be >= 0, got {value!r}")
+    return number
+
+
+def within(name: str, value: float, low: float, high: float) -> float:
+    """Return `value` as a float if ``low <= value <= high``, else raise `InputError`."""
+    number = _number(name, value)
+    if not low <= number <= high:
+        raise InputError(f"{name} must be within [{low:g}, {high:g}], got {value!r}")
+    return number
+
+
+def first_row(name: str, bad: NDArray[np.bool_], values: NDArray[np.generic], rule: str) -> None:
+    """Raise `InputError` for the first row marked in `bad`, naming the row and its value."""
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(f"{name}[{row}] must be {rule}, got {values[row]}")
+
+
+def did_you_mean(unknown: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean 'X'?`` for the nearest known name, else the list of names."""
+    names = sorted(known)
+    near = get_close_matches(unknown, names, n=1)
+    return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(names)}"
+
+
+def _number(name: str, value: float) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a number, got {value!r}") from None

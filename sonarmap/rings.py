@@ -1,0 +1,211 @@
+"""Sonar rings: where a robot's sonars sit and what they can measure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sonarmap.errors import InputError, did_you_mean, non_negative, positive
+
+__all__ = ["AMIGOBOT", "SonarRing", "ring", "rings"]
+
+
+@dataclass(frozen=True, eq=False)
+class SonarRing:
+    """The sonars of a robot, numbered as its maker numbers them, from 0.
+
+    Parameters
+    ----------
+    name : str
+        Name of the ring.
+    x_m, y_m : array_like, shape (sonars,)
+        Place of each sonar in the robot's frame (x forward, y left), metres.
+    heading_rad : array_like, shape (sonars,)
+        Acoustic axis of each sonar, counter-clockwise from the robot's x axis, radians.
+    half_angle_rad : float
+        Half of the cone's full width, radians, in (0, pi/2).
+    range_min_m, range_max_m : float
+        Nearest and farthest range that the sonar reports, metres.
+    """
+
+    name: str
+    x_m: NDArray[np.float64]
+    y_m: NDArray[np.float64]
+    heading_rad: NDArray[np.float64]
+    half_angle_rad: float
+    range_min_m: float
+    range_max_m: float
+
+    def __post_init__(self) -> None:
+        for field in ("x_m", "y_m", "heading_rad"):
+            object.__setattr__(self, field, _frozen_vector(field, getattr(self, field)))
+        if not self.x_m.shape == self.y_m.shape == self.heading_rad.shape:
+            raise InputError(
+                "x_m, y_m and heading_rad must have one value a sonar, got "
+                f"{self.x_m.size}, {self.y_m.size} and {self.heading_rad.size}"
+            )
+        half_angle = positive("half_angle_rad", self.half_angle_rad)
+        if half_angle >= math.pi / 2:
+            raise InputError(f"half_angle_rad must be < pi/2, got {half_angle!r}")
+        object.__setattr__(self, "half_angle_rad", half_angle)
+        near, far = (
+            non_negative("range_min_m", self.range_min_m),
+            positive("range_max_m", self.range_max_m),
+        )
+        if near >= far:
+            raise InputError(f"range_min_m must be < range_max_m, got {near!r} and {far!r}")
+        object.__setattr__(self, "range_min_m", near)
+        object.__setattr__(self, "range_max_m", far)
+
+    def __len__(self) -> int:
+        return int(self.x_m.size)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, SonarRing) and self.to_dict() == other.to_dict()
+
+    def __hash__(self) -> int:
+        return hash((self.name, len(self), self.half_angle_rad, self.range_max_m))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the ring as plain numbers and lists, as a log file stores it."""
+        return {
+            "name": self.name,
+            "x_m": self.x_m.tolist(),
+            "y_m": self.y_m.tolist(),
+            "heading_rad": self.heading_rad.tolist(),
+            "half_angle_rad": self.half_angle_rad,
+            "range_min_m": self.range_min_m,
+            "range_max_m": self.range_max_m,
+        }
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> SonarRing:
+        """Return the ring that `to_dict` described."""
+        try:
+            return cls(**fields)
+        except TypeError as error:
+            raise InputError(f"ring: {error}") from None
+
+
+def rings() -> Mapping[str, SonarRing]:
+    """Return all presets by name."""
+    return _PRESETS
+
+
+def ring(name: str) -> SonarRing:
+    """Return the preset called `name`, or raise `InputError` with the nearest known name."""
+    try:
+        return _PRESETS[name]
+    except KeyError:
+        raise InputError(f"ring {name!r} is unknown{did_you_mean(name, _PRESETS)}") from None
+
+
+def _frozen_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    vector = np.array(values, dtype=float)
+    if vector.ndim != 1 or vector.size == 0 or not np.isfinite(vector).all():
+        raise InputError(f"{name} must be a list of finite numbers, got {values!r}")
+    vector.flags.writeable = False
+    return vector
+
+
+def _preset(
+    name: str,
+    units_mm_deg: Sequence[tuple[float, float, float]],
+    *,
+    full_width_deg: float,
+    range_min_m: float,
+    range_max_m: float,
+) -> SonarRing:
+    x_mm, y_mm, heading_deg = zip(*units_mm_deg, strict=True)
+    return SonarRing(
+        name=name,
+        x_m=np.array(x_mm) / 1000,
+        y_m=np.array(y_mm) / 1000,
+        heading_rad=np.deg2rad(heading_deg),
+        half_angle_rad=math.radians(full_width_deg / 2),
+        range_min_m=range_min_m,
+        range_max_m=range_max_m,
+    )
+
+
+# Unit: x mm, y mm, heading degrees. AmigoBot-SH from ARIA's params/amigo-sh.p. Every ARIA copy has
+# unit 1 at x = 125 where its mirror image, unit 4, has 120: almost certainly a slip of the pen.
+# The default ring is symmetric; `amigobot-aria` keeps ARIA's number.
+_AMIGOBOT_SH = (
+    (70, 100, 90),
+    (120, 75, 41),
+    (144, 30, 15),
+    (144, -30, -15),
+    (120, -75, -41),
+    (70, -100, -90),
+    (-146, -58, -145),
+    (-146, 58, 145),
+)
+_AMIGOBOT_ARIA = (_AMIGOBOT_SH[0], (125, 75, 41), *_AMIGOBOT_SH[2:])
+# ARIA's params/amigo.p (the older H8 board).
+_AMIGOBOT_H8 = (
+    (76, 100, 90),
+    (125, 75, 41),
+    (150, 30, 15),
+    (150, -30, -15),
+    (125, -75, -41),
+    (76, -100, -90),
+    (-140, -58, -145),
+    (-140, 58, 145),
+)
+# ARIA's params/p3dx.p: front array 0 to 7, rear array 8 to 15.
+_PIONEER_3DX = (
+    (69, 136, 90),
+    (114, 119, 50),
+    (148, 78, 30),
+    (166, 27, 10),
+    (166, -27, -10),
+    (148, -78, -30),
+    (114, -119, -50),
+    (69, -136, -90),
+    (-157, -136, -90),
+    (-203, -119, -130),
+    (-237, -78, -150),
+    (-255, -27, -170),
+    (-255, 27, 170),
+    (-237, 78, 150),
+    (-203, 119, 130),
+    (-157, 136, 90),
+)
+# RoboND-OccupancyGridMappingAlgorithm: bearings from its main.cpp; the mounting radius is not
+# documented and taken as 0. Sensor 0 looks to the right.
+_UDACITY_8 = tuple((0.0, 0.0, deg) for deg in (-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90))
+
+# 0.165 to 3.0 m and 30 degrees: Rashid 2006, p. 56 and 58. 0.10 to 5.0 m: ARIA's sonar device.
+AMIGOBOT = _preset(
+    "amigobot", _AMIGOBOT_SH, full_width_deg=30, range_min_m=0.165, range_max_m=3.0
+)
+
+_PRESETS: Mapping[str, SonarRing] = MappingProxyType(
+    {
+        preset.name: preset
+        for preset in (
+            AMIGOBOT,
+            _preset(
+                "amigobot-aria",
+                _AMIGOBOT_ARIA,
+                full_width_deg=30,
+                range_min_m=0.10,
+                range_max_m=5.0,
+            ),
+            _preset(
+                "amigobot-h8", _AMIGOBOT_H8, full_width_deg=30, range_min_m=0.10, range_max_m=5.0
+            ),
+            _preset(
+                "pioneer3dx", _PIONEER_3DX, full_width_deg=30, range_min_m=0.10, range_max_m=5.0
+            ),
+            _preset("udacity8", _UDACITY_8, full_width_deg=20, range_min_m=0.17, range_max_m=5.0),
+        )
+    }
+)
