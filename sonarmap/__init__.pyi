@@ -14,3 +14,5 @@ from .rings import AMIGOBOT as AMIGOBOT
 from .rings import SonarRing as SonarRing
 from .rings import ring as ring
 from .rings import rings as rings
+from .scores import MapScore as MapScore
+from .scores import score_map as score_map

@@ -23,6 +23,8 @@ _SQRT_HALF_BITS = int(np.float64(math.sqrt(0.5)).view(np.int64))
 _P_MIN, _P_MAX = 1e-6, 1 - 1e-6
 # Keeps the quotient of half-angles defined for a cell centre that is the sonar's own place.
 _TINY = 1e-300
+# Cells; more than the rounding of the cone's edges and less than shows in the time.
+_SLACK = 1e-6
 # NaN and infinity never enter the loop, and the order of sums within one cell is kept outside.
 _FAST = {"contract", "nsz", "nnan", "ninf", "arcp", "reassoc"}
 
@@ -125,7 +127,6 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     border,
     axis,
     edge,
-    window,
     bearing,
     limit,
 ):
@@ -145,38 +146,45 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         Half-angle of the cone, radians.
     border, axis, edge : ndarray, shapes (n, 3), (n, 3, 2), (n, 3, 2)
         The readings' `Regions`.
-    window : ndarray of int, shape (n, 4)
-        First and past-the-last row, first and past-the-last column within the grid that hold
-        every cell in reach; empty windows are fine.
     bearing : ndarray
         `bearing_polynomial` of the half-angle.
     limit : float
         Bound on the sum in each cell, inf for none.
     """
+    rows, cols = log_odds.shape
+    # At most this many cells lie within reach of a sonar: half a disc, in its bounding box.
     room = 0
     for i in range(axis_rad.size):
-        room = max(room, (window[i, 1] - window[i, 0]) * (window[i, 3] - window[i, 2]))
+        across = int(2 * border[i, 2] / resolution) + 3
+        room = max(room, min(rows, across) * min(cols, across))
     dx, dy, evidence = np.empty(room), np.empty(room), np.empty(room)
-    first = np.empty(log_odds.shape[0], np.int64)
-    count = np.empty(log_odds.shape[0], np.int64)
+    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
     cos_half, sin_half = math.cos(half_angle), math.sin(half_angle)
 
     for i in range(axis_rad.size):
-        x, y = sensor_xy[i, 0], sensor_xy[i, 1]
         axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
         # Directions of the cone's left and right edge.
-        left_x, left_y = axis_x * cos_half - axis_y * sin_half, axis_y * cos_half + axis_x * sin_half
-        right_x, right_y = (
-            axis_x * cos_half + axis_y * sin_half,
-            axis_y * cos_half - axis_x * sin_half,
-        )
+        left_x = axis_x * cos_half - axis_y * sin_half
+        left_y = axis_y * cos_half + axis_x * sin_half
+        right_x = axis_x * cos_half + axis_y * sin_half
+        right_y = axis_y * cos_half - axis_x * sin_half
         reach = border[i, 2]
+        # The sonar's place relative to the centre of cell (0, 0).
+        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
+        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
+
+        # Rows of the cone: between its corners, or up to the arc where it holds the y direction.
+        top = reach if axis_y > cos_half else reach * max(0.0, left_y, right_y)
+        bottom = -reach if axis_y < -cos_half else reach * min(0.0, left_y, right_y)
+        # Here and below a cell of slack: `_evidence` decides exactly, this only saves it work.
+        row_begin = max(0, math.floor((start_y + bottom) / resolution))
+        row_end = min(rows, math.ceil((start_y + top) / resolution) + 1)
 
         # List the cells: in each row those between the cone's edges and within reach.
         n = 0
-        for row in range(window[i, 0], window[i, 1]):
+        for row in range(row_begin, row_end):
             first[row], count[row] = 0, 0
-            v = origin_y + (row + 0.5) * resolution - y
+            v = row * resolution - start_y
             half_chord_squared = reach * reach - v * v
             if half_chord_squared < 0:
                 continue
@@ -190,15 +198,13 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 high = min(high, v * right_x / right_y)
             elif right_y < -_TINY:
                 low = max(low, v * right_x / right_y)
-            # One cell of slack: `_evidence` decides exactly, this only saves it work.
-            start = x - origin_x - 0.5 * resolution
-            begin = max(window[i, 2], int(math.floor((start + low) / resolution - 1e-6)))
-            end = min(window[i, 3], int(math.ceil((start + high) / resolution + 1e-6)) + 1)
+            begin = max(0, math.floor((start_x + low) / resolution - _SLACK))
+            end = min(cols, math.ceil((start_x + high) / resolution + _SLACK) + 1)
             if end <= begin:
                 continue
             first[row], count[row] = begin, end - begin
             for k in range(end - begin):
-                dx[n + k] = (begin + k) * resolution - start
+                dx[n + k] = (begin + k) * resolution - start_x
                 dy[n + k] = v
             n += end - begin
 
@@ -207,7 +213,7 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         )
 
         n = 0
-        for row in range(window[i, 0], window[i, 1]):
+        for row in range(row_begin, row_end):
             line = log_odds[row, first[row] : first[row] + count[row]]
             added = evidence[n : n + count[row]]
             for k in range(line.size):

@@ -89,7 +89,9 @@ class GridSpec:
         x_m, y_m = self.origin_xy_m
         return (x_m, x_m + self.cols * self.resolution_m, y_m, y_m + self.rows * self.resolution_m)
 
-    def cell_of(self, x_m: ArrayLike, y_m: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def cell_of(
+        self, x_m: ArrayLike, y_m: ArrayLike
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return (row, col) of points; they may lie outside the grid, see `contains`."""
         row = np.floor((np.asarray(y_m, float) - self.origin_xy_m[1]) / self.resolution_m)
         col = np.floor((np.asarray(x_m, float) - self.origin_xy_m[0]) / self.resolution_m)
@@ -106,7 +108,5 @@ class GridSpec:
     def contains(self, row: ArrayLike, col: ArrayLike) -> NDArray[np.bool_]:
         """Return which (row, col) lie inside the grid."""
         row, col = np.asarray(row), np.asarray(col)
-        inside: NDArray[np.bool_] = (
-            (row >= 0) & (row < self.rows) & (col >= 0) & (col < self.cols)
-        )
+        inside: NDArray[np.bool_] = (row >= 0) & (row < self.rows) & (col >= 0) & (col < self.cols)
         return inside

@@ -169,7 +169,7 @@ class SonarLog:
     def __post_init__(self) -> None:
         size = np.asarray(self.range_m).size
         if self.stale is None:
-            object.__setattr__(self, "stale", np.zeros(size, bool))
+            object.__setattr__(self, "stale", np.zeros(size, bool))  # type: ignore[unreachable]
         for name, dtype in self.DTYPES.items():
             _freeze(self, name, dtype, size)
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
@@ -186,9 +186,7 @@ class SonarLog:
         absurd = np.isnan(self.range_m) | (
             seen & ((self.range_m < 0) | (self.range_m > RANGE_LIMIT_M))
         )
-        first_row(
-            "range_m", absurd, self.range_m, f"within [0, {RANGE_LIMIT_M:g}] m, +inf or -inf"
-        )
+        first_row("range_m", absurd, self.range_m, f"within [0, {RANGE_LIMIT_M:g}] m, +inf or -inf")
         if self.truth is not None and self.truth.x_m.size != size:
             raise InputError(
                 f"truth must have one row a reading, got {self.truth.x_m.size} for {size}"

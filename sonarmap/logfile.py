@@ -101,9 +101,7 @@ def _about(table: pa.Table) -> dict[str, Any]:
         raise InputError("is a Parquet file but not a sonar log (no 'sonarbed' metadata)")
     about: dict[str, Any] = json.loads(metadata[_KEY])
     if about["format_version"] != FORMAT_VERSION:
-        raise InputError(
-            f"format version must be {FORMAT_VERSION}, got {about['format_version']}"
-        )
+        raise InputError(f"format version must be {FORMAT_VERSION}, got {about['format_version']}")
     return about
 
 

@@ -114,9 +114,7 @@ def grid_over(
         raise InputError("the log is empty: there is nothing to map")
     x_min, y_min = points.min(axis=0) - margin_m
     x_max, y_max = points.max(axis=0) + margin_m
-    return GridSpec.covering(
-        float(x_min), float(y_min), float(x_max), float(y_max), resolution_m
-    )
+    return GridSpec.covering(float(x_min), float(y_min), float(x_max), float(y_max), resolution_m)
 
 
 def _evidence_of(
@@ -157,26 +155,8 @@ def _fuse(
         regions.border_m,
         regions.axis,
         regions.edge,
-        _windows(grid, sensor_xy_m, regions.reach_m),
         bearing_polynomial(model.half_angle_rad),
         limit,
-    )
-
-
-def _windows(
-    grid: GridSpec, centre_xy_m: NDArray[np.float64], reach_m: NDArray[np.float64]
-) -> NDArray[np.int64]:
-    """Return (first, past last) row and column of the cells within reach, cut to the grid."""
-    x_m, y_m = centre_xy_m.T
-    row_first, col_first = grid.cell_of(x_m - reach_m, y_m - reach_m)
-    row_last, col_last = grid.cell_of(x_m + reach_m, y_m + reach_m)
-    return np.column_stack(
-        [
-            row_first.clip(0, grid.rows),
-            (row_last + 1).clip(0, grid.rows),
-            col_first.clip(0, grid.cols),
-            (col_last + 1).clip(0, grid.cols),
-        ]
     )
 
 

@@ -95,14 +95,15 @@ class StandardModel:
 
     Notes
     -----
-    With a = \\|bearing\\| and r the range of a cell::
+    With a the absolute bearing and r the range of a cell, and s the reading::
 
-        region 1, \\|r - s\\| <= tolerance:  P(occupied) = ((R - r)/R + (beta - a)/beta) / 2 * max_occupied
-        region 2, r < s - tolerance:     P(empty)    = ((R - r)/R + (beta - a)/beta) / 2
+        belief = ((R - r) / R + (beta - a) / beta) / 2
+        region 1, s - tolerance <= r <= s + tolerance:  P(occupied) = belief * max_occupied
+        region 2, r < s - tolerance:                    P(empty) = belief
 
     As the thesis notes (section 5.1) region 2 may say "occupied" and region 1 "empty" near the
     edge of the cone: that is the model, not an error of ours.
-    """  # noqa: E501 - the equation stays on one line
+    """
 
     beta_rad: float
     max_range_m: float

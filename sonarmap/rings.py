@@ -183,9 +183,7 @@ _PIONEER_3DX = (
 _UDACITY_8 = tuple((0.0, 0.0, deg) for deg in (-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90))
 
 # 0.165 to 3.0 m and 30 degrees: Rashid 2006, p. 56 and 58. 0.10 to 5.0 m: ARIA's sonar device.
-AMIGOBOT = _preset(
-    "amigobot", _AMIGOBOT_SH, full_width_deg=30, range_min_m=0.165, range_max_m=3.0
-)
+AMIGOBOT = _preset("amigobot", _AMIGOBOT_SH, full_width_deg=30, range_min_m=0.165, range_max_m=3.0)
 
 _PRESETS: Mapping[str, SonarRing] = MappingProxyType(
     {

@@ -1,0 +1,303 @@
+"""How good a map is, judged by the truth: every score keeps its counts, so that scores add up."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from sonarmap.errors import InputError
+from sonarmap.grid import GridSpec
+from sonarmap.occupancy import OccupancyMap
+
+__all__ = ["GridTruth", "MapScore", "ToleranceCount", "score_map"]
+
+# States of a true cell, as `worlds.CellState` numbers them.
+_OCCUPIED, _HIDDEN = 1, 2
+# A cell counts as known to be occupied or free beyond these, ROS map_server's upper limit and its
+# mirror image.
+OCCUPIED_FROM, FREE_UP_TO = 0.65, 0.35
+# Every method's probabilities are clamped alike, or one confident error would cost infinitely
+# much: the worst cell scores 1 + log2(0.01) = -5.64 bits.
+CLAMP = 0.01
+TOLERANCES_M = (0.10, 0.20)
+
+
+class GridTruth(Protocol):
+    """The truth of a grid: what `score_map` asks of `worlds.TruthGrid`."""
+
+    @property
+    def grid(self) -> GridSpec:
+        """Where the cells are."""
+
+    @property
+    def state(self) -> NDArray[np.uint8]:
+        """0 free, 1 occupied, 2 hidden; shape (rows, cols)."""
+
+
+@dataclass(frozen=True, slots=True)
+class ToleranceCount:
+    """Occupied cells that have a counterpart within a tolerance.
+
+    Parameters
+    ----------
+    tolerance_m : float
+        Largest distance between cell centres, metres.
+    map_hits : int
+        Cells occupied in the map with an occupied cell of the truth that near.
+    truth_hits : int
+        Cells occupied in the truth with an occupied cell of the map that near.
+    """
+
+    tolerance_m: float
+    map_hits: int
+    truth_hits: int
+
+
+@dataclass(frozen=True, slots=True)
+class MapScore:
+    """Counts and sums over the scored cells, and the scores that follow from them.
+
+    Two scores of the same resolution add up (``a + b``): the sum is the score of both maps taken
+    as one, never an average of averages.
+
+    Parameters
+    ----------
+    resolution_m : float
+        Side of a cell, metres.
+    cells : int
+        Scored cells, N.
+    truth_occupied, map_occupied : int
+        Of these, occupied in truth; in the map (P >= 0.65).
+    known : int
+        Cells with P <= 0.35 or P >= 0.65.
+    false_free, phantom : int
+        Occupied cells mapped as free; free cells mapped as occupied.
+    bits : float
+        Sum of 1 + log2(P of the true state), P clamped to [0.01, 0.99] (Martin & Moravec 1996).
+    squared_error : float
+        Sum of (P - truth)^2.
+    map_sum, map_square_sum, product_sum : float
+        Sums of P, P^2 and P * truth.
+    map_distance_m, truth_distance_m : float
+        Sums of the distance of each occupied cell of the map to the nearest of the truth, and
+        the other way; inf if there is none.
+    tolerances : tuple of ToleranceCount
+        At one cell, 10 cm and 20 cm.
+    """
+
+    resolution_m: float
+    cells: int
+    truth_occupied: int
+    map_occupied: int
+    known: int
+    false_free: int
+    phantom: int
+    bits: float
+    squared_error: float
+    map_sum: float
+    map_square_sum: float
+    product_sum: float
+    map_distance_m: float
+    truth_distance_m: float
+    tolerances: tuple[ToleranceCount, ...]
+
+    def __add__(self, other: MapScore) -> MapScore:
+        if self.resolution_m != other.resolution_m:
+            raise InputError(
+                "scores must be of the same resolution_m to be added, got "
+                f"{self.resolution_m!r} and {other.resolution_m!r}"
+            )
+        sums = {
+            name: getattr(self, name) + getattr(other, name)
+            for name in self.__slots__
+            if name not in ("resolution_m", "tolerances")
+        }
+        tolerances = tuple(
+            ToleranceCount(a.tolerance_m, a.map_hits + b.map_hits, a.truth_hits + b.truth_hits)
+            for a, b in zip(self.tolerances, other.tolerances, strict=True)
+        )
+        return MapScore(resolution_m=self.resolution_m, tolerances=tolerances, **sums)
+
+    @property
+    def map_score(self) -> float:
+        """Map Score per cell, bits: +1 perfect, 0 all unknown, -5.64 all confidently wrong."""
+        return self.bits / self.cells
+
+    @property
+    def brier(self) -> float:
+        """Mean squared error of P(occupied): 0 perfect, 0.25 all unknown."""
+        return self.squared_error / self.cells
+
+    @property
+    def correlation(self) -> float:
+        """Pearson correlation of P(occupied) with the truth; 0 for a constant map."""
+        n, truth = self.cells, self.truth_occupied
+        covariance = self.product_sum / n - self.map_sum / n * truth / n
+        variance_map = self.map_square_sum / n - (self.map_sum / n) ** 2
+        variance_truth = truth / n * (1 - truth / n)
+        # A constant map's variance is rounding noise around 0.
+        if variance_map < 1e-12 or variance_truth <= 0:
+            return 0.0
+        return covariance / math.sqrt(variance_map * variance_truth)
+
+    def precision(self, tolerance: int) -> float:
+        """Share of the map's occupied cells that are right, NaN if there is none.
+
+        `tolerance` is an index: 0 within one cell, 1 within 10 cm, 2 within 20 cm.
+        """
+        return _ratio(self.tolerances[tolerance].map_hits, self.map_occupied)
+
+    def recall(self, tolerance: int) -> float:
+        """Share of the truth's occupied cells that were found, NaN if there is none."""
+        return _ratio(self.tolerances[tolerance].truth_hits, self.truth_occupied)
+
+    def f1(self, tolerance: int) -> float:
+        """Harmonic mean of precision and recall; 0 when nothing was found."""
+        precision, recall = self.precision(tolerance), self.recall(tolerance)
+        if not precision + recall > 0:  # also when one of them is NaN
+            return 0.0
+        return 2 * precision * recall / (precision + recall)
+
+    @property
+    def coverage(self) -> float:
+        """Share of the scored cells that the map calls free or occupied."""
+        return self.known / self.cells
+
+    @property
+    def false_free_m2(self) -> float:
+        """Area of occupied cells mapped as free, square metres."""
+        return self.false_free * self.resolution_m**2
+
+    @property
+    def phantom_m2(self) -> float:
+        """Area of free cells mapped as occupied, square metres."""
+        return self.phantom * self.resolution_m**2
+
+    @property
+    def map_to_truth_m(self) -> float:
+        """Mean distance from the map's occupied cells to the truth's (ADNN), metres."""
+        return _ratio(self.map_distance_m, self.map_occupied)
+
+    @property
+    def truth_to_map_m(self) -> float:
+        """Mean distance from the truth's occupied cells to the map's (NE), metres."""
+        return _ratio(self.truth_distance_m, self.truth_occupied)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return scores and counts as JSON-able values; None for a score that is not defined."""
+        names = ("1_cell", "10_cm", "20_cm")
+        scores: dict[str, float] = {}
+        for index, name in enumerate(names):
+            scores[f"precision_{name}"] = self.precision(index)
+            scores[f"recall_{name}"] = self.recall(index)
+            scores[f"f1_{name}"] = self.f1(index)
+        for name in (
+            "map_score",
+            "brier",
+            "correlation",
+            "coverage",
+            "false_free_m2",
+            "phantom_m2",
+            "map_to_truth_m",
+            "truth_to_map_m",
+        ):
+            scores[name] = getattr(self, name)
+        return {
+            **{name: value if math.isfinite(value) else None for name, value in scores.items()},
+            "counts": {
+                name: value if not isinstance(value, float) or math.isfinite(value) else None
+                for name, value in asdict(self).items()
+            },
+        }
+
+
+def score_map(
+    m: OccupancyMap, truth: GridTruth, *, observable: NDArray[np.bool_] | None = None
+) -> MapScore:
+    """Score a map against the truth.
+
+    Parameters
+    ----------
+    m : OccupancyMap
+        The map.
+    truth : GridTruth
+        The truth on the same grid, as `worlds.truth` makes it. Hidden cells are never scored.
+    observable : ndarray of bool, shape (rows, cols), optional
+        Which cells to score, as ``truth.observable(log)`` tells: those that the log's sonars
+        could have seen. By default all that are not hidden.
+
+    Returns
+    -------
+    MapScore
+
+    Raises
+    ------
+    InputError
+        If the grids differ, or no cell is left to score.
+
+    Notes
+    -----
+    Occupied in the map is P >= 0.65. Distances are between cell centres, within the scored cells.
+    """
+    if m.grid != truth.grid:
+        raise InputError(f"map and truth must have the same grid, got {m.grid} and {truth.grid}")
+    scored = truth.state != _HIDDEN
+    if observable is not None:
+        if observable.shape != m.grid.shape:
+            raise InputError(
+                f"observable must have the grid's shape {m.grid.shape}, got {observable.shape}"
+            )
+        scored &= observable
+    if not scored.any():
+        raise InputError("no cell is left to score: none is observable")
+
+    p = m.probability
+    occupied_map = scored & (p >= OCCUPIED_FROM)
+    occupied_truth = scored & (truth.state == _OCCUPIED)
+    to_truth_m = _distance_m(occupied_truth, m.grid)[occupied_map]
+    to_map_m = _distance_m(occupied_map, m.grid)[occupied_truth]
+    tolerances = tuple(
+        ToleranceCount(
+            tolerance_m,
+            # The slack forgives the rounding of a distance that equals the tolerance.
+            int((to_truth_m <= tolerance_m + 1e-9).sum()),
+            int((to_map_m <= tolerance_m + 1e-9).sum()),
+        )
+        for tolerance_m in (m.grid.resolution_m, *TOLERANCES_M)
+    )
+    p, g = p[scored], occupied_truth[scored]
+    clamped = p.clip(CLAMP, 1 - CLAMP)
+    return MapScore(
+        resolution_m=m.grid.resolution_m,
+        cells=int(scored.sum()),
+        truth_occupied=int(g.sum()),
+        map_occupied=int(occupied_map.sum()),
+        known=int(((p <= FREE_UP_TO) | (p >= OCCUPIED_FROM)).sum()),
+        false_free=int((g & (p <= FREE_UP_TO)).sum()),
+        phantom=int((~g & (p >= OCCUPIED_FROM)).sum()),
+        bits=float((1 + np.log2(np.where(g, clamped, 1 - clamped))).sum()),
+        squared_error=float(((p - g) ** 2).sum()),
+        map_sum=float(p.sum()),
+        map_square_sum=float((p**2).sum()),
+        product_sum=float(p[g].sum()),
+        map_distance_m=float(to_truth_m.sum()),
+        truth_distance_m=float(to_map_m.sum()),
+        tolerances=tolerances,
+    )
+
+
+def _distance_m(occupied: NDArray[np.bool_], grid: GridSpec) -> NDArray[np.float64]:
+    """Return the distance of every cell to the nearest marked one, inf if none is marked."""
+    if not occupied.any():
+        return np.full(grid.shape, np.inf)
+    distance: NDArray[np.float64] = distance_transform_edt(~occupied) * grid.resolution_m
+    return distance
+
+
+def _ratio(part: float, whole: float) -> float:
+    return part / whole if whole else math.nan
