@@ -1,5 +1,8 @@
 from .errors import InputError as InputError
 from .grid import GridSpec as GridSpec
+from .importers import import_log as import_log
+from .importers import read_aria as read_aria
+from .importers import read_udacity as read_udacity
 from .log import Cause as Cause
 from .log import LogTruth as LogTruth
 from .log import SonarLog as SonarLog
@@ -16,3 +19,4 @@ from .rings import ring as ring
 from .rings import rings as rings
 from .scores import MapScore as MapScore
 from .scores import score_map as score_map
+from .stale import mark_stale as mark_stale
