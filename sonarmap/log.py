@@ -172,7 +172,7 @@ class SonarLog:
             object.__setattr__(self, "stale", np.zeros(size, bool))  # type: ignore[unreachable]
         for name, dtype in self.DTYPES.items():
             _freeze(self, name, dtype, size)
-        object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
+        object.__setattr__(self, "provenance", dict(self.provenance))
         for name in ("time_s", "x_m", "y_m", "heading_rad"):
             values = getattr(self, name)
             first_row(name, ~np.isfinite(values), values, "a finite number")
@@ -266,13 +266,17 @@ def _freeze(target: object, name: str, dtype: Any, size: int, prefix: str = "") 
     """Store column `name` of `target` as a read-only vector of `dtype` and length `size`."""
     given = getattr(target, name)
     try:
-        column = np.array(given, dtype=dtype)
-    except (TypeError, ValueError):
+        # A cast of NaN warns; what it became is found to be changed below.
+        with np.errstate(invalid="ignore"):
+            column = np.array(given, dtype=dtype)
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{prefix}{name} must be a column of {np.dtype(dtype).name}") from None
     if np.issubdtype(dtype, np.integer):
         given_numbers = np.asarray(given)
         changed = column != given_numbers
-        first_row(f"{prefix}{name}", changed, given_numbers, "a whole number")
+        first_row(
+            f"{prefix}{name}", changed, given_numbers, f"a whole number that fits {np.dtype(dtype)}"
+        )
     if column.shape != (size,):
         raise InputError(f"{prefix}{name} must have shape ({size},), got {column.shape}")
     column.flags.writeable = False

@@ -42,7 +42,10 @@ def read_log(path: str | Path) -> SonarLog:
     """
     path = Path(path)
     try:
-        table = pq.read_table(path)
+        # Not `read_table`: that would take a folder of logs for one log, and a folder called
+        # `scan=3` for a column.
+        with pq.ParquetFile(path) as file:
+            table = file.read()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except (pa.ArrowException, OSError) as error:
@@ -99,9 +102,16 @@ def _about(table: pa.Table) -> dict[str, Any]:
     metadata = table.schema.metadata or {}
     if _KEY not in metadata:
         raise InputError("is a Parquet file but not a sonar log (no 'sonarbed' metadata)")
-    about: dict[str, Any] = json.loads(metadata[_KEY])
-    if about["format_version"] != FORMAT_VERSION:
-        raise InputError(f"format version must be {FORMAT_VERSION}, got {about['format_version']}")
+    damaged = InputError("its 'sonarbed' metadata is damaged")
+    try:
+        about: dict[str, Any] = json.loads(metadata[_KEY])
+        version = about["format_version"]
+    except (ValueError, TypeError, KeyError):
+        raise damaged from None
+    if version != FORMAT_VERSION:
+        raise InputError(f"format version must be {FORMAT_VERSION}, got {version!r}")
+    if not all(isinstance(about.get(part), dict) for part in ("ring", "provenance")):
+        raise damaged
     return about
 
 

@@ -64,18 +64,21 @@ class OccupancyMap:
             Made if it does not exist; older maps in it are replaced.
         """
         folder = make_folder(folder)
-        with atomic_path(folder / _NPZ) as path, path.open("wb") as file:
+        rows, cols = self.grid.shape
+        # All are written before the first is renamed: no mixture of an old map and a new one.
+        with (
+            atomic_path(folder / _NPZ) as npz,
+            atomic_path(folder / _PGM) as pgm,
+            atomic_path(folder / _YAML) as yaml,
+        ):
             np.savez_compressed(
-                file,
+                npz,
                 log_odds=self.log_odds,
                 resolution_m=self.grid.resolution_m,
                 origin_xy_m=self.grid.origin_xy_m,
             )
-        with atomic_path(folder / _PGM) as path:
-            rows, cols = self.grid.shape
-            path.write_bytes(f"P5\n{cols} {rows}\n255\n".encode() + self._ros_image().tobytes())
-        with atomic_path(folder / _YAML) as path:
-            path.write_text(self._ros_yaml(), encoding="utf-8")
+            pgm.write_bytes(f"P5\n{cols} {rows}\n255\n".encode() + self._ros_image().tobytes())
+            yaml.write_text(self._ros_yaml(), encoding="utf-8")
 
     @classmethod
     def load(cls, path: str | Path) -> OccupancyMap:
@@ -92,7 +95,7 @@ class OccupancyMap:
             with np.load(file, allow_pickle=False) as data:
                 resolution_m = float(data["resolution_m"])
                 x_m, y_m = data["origin_xy_m"].tolist()
-                log_odds = data["log_odds"]
+                log_odds = np.asarray(data["log_odds"], float)
         except FileNotFoundError:
             raise InputError(f"{file}: no such file") from None
         except Exception as error:  # numpy raises what zip, npy or pickle happen to raise

@@ -107,7 +107,10 @@ def ring(name: str) -> SonarRing:
 
 
 def _frozen_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    vector = np.array(values, dtype=float)
+    try:
+        vector = np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} must be a list of finite numbers, got {values!r}") from None
     if vector.ndim != 1 or vector.size == 0 or not np.isfinite(vector).all():
         raise InputError(f"{name} must be a list of finite numbers, got {values!r}")
     vector.flags.writeable = False
