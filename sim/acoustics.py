@@ -1,0 +1,112 @@
+"""What an acoustic model answers, and how a reading's cause follows from the truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.engine import RayCaster
+from sonarmap import Cause, SonarRing
+from worlds import World
+
+__all__ = ["SAME_POINT_M", "Echoes", "Sonar", "cause_of"]
+
+SAME_POINT_M = 0.06
+"""Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
+and the edge of the cone at 2 m)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Echoes:
+    """What k sonars heard, each array of shape (k,); see `sonarmap.LogTruth` for the meaning."""
+
+    range_m: NDArray[np.float64]
+    axis_range_m: NDArray[np.float64]
+    cone_range_m: NDArray[np.float64]
+    cause: NDArray[np.int8]
+    surface: NDArray[np.int32]
+    incidence_rad: NDArray[np.float64]
+    bounces: NDArray[np.int16]
+
+
+class Sonar(Protocol):
+    """A ring of sonars with its acoustics and its timing."""
+
+    @property
+    def name(self) -> str:
+        """Name of the preset."""
+
+    @property
+    def ring(self) -> SonarRing:
+        """The ring that it reads."""
+
+    @property
+    def scan_period_s(self) -> float:
+        """Time from one scan to the next, seconds."""
+
+    def listen(
+        self,
+        rays: RayCaster,
+        world: World,
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> Echoes:
+        """Fire k sonars and return what they hear.
+
+        Parameters
+        ----------
+        rays : RayCaster
+            Where the surfaces are.
+        world : World
+            What they are made of; a surface index is an index of its solids.
+        sensor_xy_m : ndarray, shape (k, 2)
+            True places of the transducers, metres.
+        axis_rad : ndarray, shape (k,)
+            True directions of their axes, radians.
+        rng : numpy.random.Generator
+            The only source of noise; draws the same number of values whatever is heard.
+        """
+
+
+def cause_of(
+    heard_m: NDArray[np.float64],
+    bounces: NDArray[np.int16],
+    axis_range_m: NDArray[np.float64],
+    cone_range_m: NDArray[np.float64],
+) -> NDArray[np.int8]:
+    """Return the `Cause` of readings that come from a sonar's own sound.
+
+    Parameters
+    ----------
+    heard_m : ndarray
+        Range of the echo before noise, metres; +inf for none.
+    bounces : ndarray of int
+        Mirroring surfaces on its way.
+    axis_range_m, cone_range_m : ndarray
+        True ranges on the axis and of the nearest surface in the cone; +inf beyond the maximum.
+
+    Notes
+    -----
+    A straight echo is right when it comes from no farther than the axis truly reaches: DIRECT
+    within `SAME_POINT_M` of it, OFF_AXIS nearer. A straight echo from farther says that what
+    stands on the axis was not heard, so it is a DROPOUT, as is silence with something in range.
+    """
+    silent = np.isinf(heard_m)
+    off_axis_m = np.subtract(
+        heard_m, axis_range_m, out=np.full_like(heard_m, -np.inf), where=np.isfinite(axis_range_m)
+    )
+    return np.select(
+        [
+            silent & np.isinf(cone_range_m),
+            silent,
+            bounces > 0,
+            off_axis_m > SAME_POINT_M,
+            off_axis_m >= -SAME_POINT_M,
+        ],
+        [Cause.OUT_OF_RANGE, Cause.DROPOUT, Cause.BOUNCE, Cause.DROPOUT, Cause.DIRECT],
+        default=Cause.OFF_AXIS,
+    ).astype(np.int8)
