@@ -20,6 +20,8 @@ from sonarmap.errors import InputError, positive, within
 __all__ = ["ParameterizedModel", "Regions", "SensorModel", "StandardModel", "probability"]
 
 REGION_COUNT = 3
+THESIS_UNIT_M = 0.1
+"""The thesis draws ten units over a range of one metre."""
 # The kernel's polynomial for the bearing is exact to 1e-12 up to here, and no sonar is wider.
 MAX_HALF_ANGLE_RAD = math.radians(60)
 
@@ -117,6 +119,11 @@ class StandardModel:
         if not 0.5 < self.max_occupied <= 1:
             raise InputError(f"max_occupied must be in (0.5, 1], got {self.max_occupied!r}")
 
+    @classmethod
+    def thesis(cls) -> StandardModel:
+        """Return the setting of figure 5.8 a: beta 15 degrees, tolerance 1 unit, 0.98; R 3 m."""
+        return cls(math.radians(15), 3.0, 0.98, THESIS_UNIT_M)
+
     @property
     def half_angle_rad(self) -> float:
         """Half of the cone's full width, beta."""
@@ -197,7 +204,13 @@ class ParameterizedModel:
             raise InputError(f"p1 must be in [0, 0.5), got {self.p1!r}")
         if not 0.5 < self.p4 <= 1:
             raise InputError(f"p4 must be in (0.5, 1], got {self.p4!r}")
-        within("p2", self.p2, 0, min(0.5 - self.p1, self.p4 - 0.5))
+        # The slack lets p4 = 0.7 have p2 = 0.2, although 0.7 - 0.5 is 0.19999999999999996.
+        within("p2", self.p2, 0, min(0.5 - self.p1, self.p4 - 0.5) + 1e-12)
+
+    @classmethod
+    def thesis(cls) -> ParameterizedModel:
+        """Return the setting of figure 5.8 b: 0.02, 0.15, 1 unit, 0.98 and 15 degrees."""
+        return cls(p1=0.02, p2=0.15, p3_m=THESIS_UNIT_M, p4=0.98, p5_rad=math.radians(15))
 
     @property
     def half_angle_rad(self) -> float:
