@@ -92,7 +92,8 @@ class OccupancyMap:
         path = Path(path)
         file = path / _NPZ if path.is_dir() else path
         try:
-            with np.load(file, allow_pickle=False) as data:
+            # Opened here, because numpy leaves a damaged file open.
+            with file.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
                 resolution_m = float(data["resolution_m"])
                 x_m, y_m = data["origin_xy_m"].tolist()
                 log_odds = np.asarray(data["log_odds"], float)
