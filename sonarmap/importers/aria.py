@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -54,7 +55,7 @@ def read_aria(
     sonars = [f"s{i}" for i in range(len(ring))]
     (line, header), *rows = csv_rows(path)
     columns = [name.lower() for name in header]
-    time = _check_header(f"{path}:{line}", columns, sonars)
+    time = _check_header(f"{path}:{line}", columns, ring, sonars)
     table = Table.of(path, columns, rows)
     provenance: dict[str, object] = {"source": "aria", "files": [path.name]}
     if time is None:
@@ -72,17 +73,26 @@ def read_aria(
     )
 
 
-def _check_header(place: str, columns: Sequence[str], sonars: Sequence[str]) -> str | None:
+def _check_header(
+    place: str, columns: Sequence[str], ring: SonarRing, sonars: Sequence[str]
+) -> str | None:
     """Return the name of the column of times, None if there is none."""
     known = (*_PER_SECOND, *_POSE, *sonars)
     for name in columns:
         if name not in known:
-            raise InputError(f"{place}: column {name!r} is unknown{did_you_mean(name, known)}")
+            # Most often the ring is the wrong one.
+            hint = (
+                f": ring {ring.name!r} has s0 to {sonars[-1]}"
+                if re.fullmatch(r"s\d+", name)
+                else did_you_mean(name, known)
+            )
+            raise InputError(f"{place}: column {name!r} is unknown{hint}")
         if columns.count(name) > 1:
             raise InputError(f"{place}: column {name!r} must be there once")
     for name in (*_POSE, *sonars):
         if name not in columns:
-            raise InputError(f"{place}: column {name!r} is missing")
+            whose = f": ring {ring.name!r} has s0 to {sonars[-1]}" if name in sonars else ""
+            raise InputError(f"{place}: column {name!r} is missing{whose}")
     times = [name for name in columns if name in _PER_SECOND]
     if len(times) > 1:
         raise InputError(f"{place}: must have one column of times, got {' and '.join(times)}")

@@ -80,7 +80,7 @@ def test_a_file_in_the_way_of_a_folder(place, tmp_path):
         with atomic_path(tmp_path / place):
             pytest.fail("the block must not run")
 
-    with pytest.raises(InputError, match="cannot be made a folder: a file is in the way$"):
+    with pytest.raises(InputError, match=r"cannot be made a folder: a file is in the way$"):
         write()
     assert (tmp_path / "file").read_text() == "I was here first"
 
@@ -90,7 +90,7 @@ def test_a_folder_in_the_way_of_a_file(tmp_path):
         with atomic_path(tmp_path):
             pytest.fail("the block must not run")
 
-    with pytest.raises(InputError, match=": is a folder, a file name is needed$"):
+    with pytest.raises(InputError, match=r": is a folder, a file name is needed$"):
         write()
 
 

@@ -90,7 +90,7 @@ def test_facts_that_follow_from_the_geometry():
 
 
 def test_a_grid_is_a_value():
-    assert GRID == sm.GridSpec(0.5, (-1, -2), (8, 4))
+    assert sm.GridSpec(0.5, (-1, -2), (8, 4)) == GRID
     assert len({GRID, sm.GridSpec(0.5, (-1, -2), (8, 4))}) == 1
     with pytest.raises(AttributeError):
         GRID.resolution_m = 1.0

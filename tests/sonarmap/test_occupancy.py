@@ -101,7 +101,9 @@ def test_map_server_reads_back_the_three_states(corner, tmp_path):
     corner.save(tmp_path)
     about = yaml.safe_load((tmp_path / "map.yaml").read_text())
     p = (255 - read_pgm(tmp_path / about["image"]).astype(float)) / 255
-    state = np.where(p > about["occupied_thresh"], "#", np.where(p < about["free_thresh"], ".", "?"))
+    state = np.where(
+        p > about["occupied_thresh"], "#", np.where(p < about["free_thresh"], ".", "?")
+    )
     assert ["".join(row) for row in state] == ["####", "#...", "#.??"]
 
 
@@ -201,5 +203,5 @@ def test_loading_a_file_of_another_kind(tmp_path):
 
 def test_saving_where_a_file_is_in_the_way(corner, tmp_path):
     (tmp_path / "file").write_text("I was here first")
-    with pytest.raises(sm.InputError, match="a file is in the way$"):
+    with pytest.raises(sm.InputError, match=r"a file is in the way$"):
         corner.save(tmp_path / "file")
