@@ -96,17 +96,11 @@ def cause_of(
     stands on the axis was not heard, so it is a DROPOUT, as is silence with something in range.
     """
     silent = np.isinf(heard_m)
-    off_axis_m = np.subtract(
-        heard_m, axis_range_m, out=np.full_like(heard_m, -np.inf), where=np.isfinite(axis_range_m)
-    )
-    return np.select(
-        [
-            silent & np.isinf(cone_range_m),
-            silent,
-            bounces > 0,
-            off_axis_m > SAME_POINT_M,
-            off_axis_m >= -SAME_POINT_M,
-        ],
-        [Cause.OUT_OF_RANGE, Cause.DROPOUT, Cause.BOUNCE, Cause.DROPOUT, Cause.DIRECT],
-        default=Cause.OFF_AXIS,
-    ).astype(np.int8)
+    beyond_axis = heard_m > axis_range_m + SAME_POINT_M
+    cause = np.full(heard_m.shape, Cause.OFF_AXIS, np.int8)
+    cause[heard_m >= axis_range_m - SAME_POINT_M] = Cause.DIRECT
+    cause[beyond_axis] = Cause.DROPOUT
+    cause[bounces > 0] = Cause.BOUNCE
+    cause[silent] = Cause.DROPOUT
+    cause[silent & np.isinf(cone_range_m)] = Cause.OUT_OF_RANGE
+    return cause

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import pairwise
+from itertools import chain, pairwise
 from types import TracebackType
 from typing import Any, Self
 
@@ -94,10 +94,11 @@ class Bullet:
         dt_s = amigobot.PHYSICS_DT_S
         between_looks = round(_TOUCH_PERIOD_S / dt_s)
         steps = round(duration_s / dt_s)
-        touched = False
+        touched, settled = False, False
         for step in range(1, steps + 1):
-            speeds = amigobot.limited_speeds(self._speeds, (left_mps, right_mps), dt_s)
-            if speeds != self._speeds:
+            if not settled:
+                speeds = amigobot.limited_speeds(self._speeds, (left_mps, right_mps), dt_s)
+                settled = speeds == self._speeds
                 self._command(speeds)
             self._p.stepSimulation(physicsClientId=self._client)
             if step % between_looks == 0 or step == steps:
@@ -128,9 +129,12 @@ class Bullet:
         if len(hits) != n:
             raise RuntimeError(f"PyBullet answered {len(hits)} of {n} rays")
         body, _, fraction, _, normal = zip(*hits, strict=True)
-        surface = self._surface_of_body[np.array(body)]
-        distance_m = np.where(surface >= 0, np.array(fraction) * range_max_m, np.inf)
-        return RayHits(distance_m, np.array(normal)[:, :2], surface)
+        surface = self._surface_of_body[np.fromiter(body, np.int64, n)]
+        distance_m = np.fromiter(fraction, float, n) * range_max_m
+        distance_m[surface < 0] = np.inf
+        # Flat, because numpy is slow at reading tuples within tuples.
+        normals = np.fromiter(chain.from_iterable(normal), float, 3 * n).reshape(n, 3)
+        return RayHits(distance_m, normals[:, :2], surface)
 
     def _build(self, world: World) -> None:
         p, client = self._p, self._client

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -17,14 +18,12 @@ from numpy.typing import NDArray
 
 from sim.acoustics import Echoes, cause_of
 from sim.engine import RayCaster
+from sim.following import meet_surfaces
 from sonarmap import AMIGOBOT, InputError, SonarRing, ring
 from sonarmap.errors import did_you_mean, non_negative, positive
 from worlds import World
 
 __all__ = ["PRESETS", "ConeSonar", "preset"]
-
-# A mirrored ray begins this far off the surface, so that it does not meet it again; metres.
-_OFF_SURFACE_M = 1e-6
 
 
 @dataclass(frozen=True)
@@ -87,76 +86,58 @@ class ConeSonar:
         rng: np.random.Generator,
     ) -> Echoes:
         """Fire k sonars at once and return what they hear, see `sim.acoustics.Sonar`."""
-        half = self.ring.half_angle_rad
-        angle = (axis_rad[:, None] + np.linspace(-half, half, self.rays)).ravel()
-        paths = self._follow(
-            rays,
-            world,
-            np.repeat(sensor_xy_m, self.rays, axis=0),
-            np.column_stack([np.cos(angle), np.sin(angle)]),
-        )
+        k, far_m = len(axis_rad), self.ring.range_max_m
+        angle = (axis_rad[:, None] + self._bearing_rad).ravel()
+        direction = np.column_stack([np.cos(angle), np.sin(angle)])
+        origin = np.repeat(sensor_xy_m, self.rays, axis=0)
+        fan = np.repeat(np.arange(k), self.rays)
+        travelled_m, strength = np.zeros(fan.size), np.ones(fan.size)
 
         # First return: of each fan the ray whose sound is back first.
-        first = paths.echo_m.reshape(-1, self.rays).argmin(axis=1)
-        chosen = np.arange(first.size) * self.rays + first
-        met_m = paths.met_m.reshape(-1, self.rays)
+        heard_m = np.full(k, far_m)
+        surface = np.full(k, -1, np.int32)
+        incidence_rad = np.full(k, np.nan)
+        bounces = np.zeros(k, np.int16)
+        for bounce in range(self.max_bounces + 1):
+            hits = rays.cast(origin, direction, far_m - travelled_m)
+            if bounce == 0:
+                met_m = hits.distance_m.reshape(k, self.rays)
+            fan, origin, direction, travelled_m, strength = meet_surfaces(
+                fan,
+                origin,
+                direction,
+                travelled_m,
+                strength,
+                hits.distance_m,
+                hits.normal_xy,
+                hits.surface,
+                world.critical_incidence_rad,
+                world.reflectivity,
+                self.threshold,
+                bounce,
+                heard_m,
+                surface,
+                incidence_rad,
+                bounces,
+            )
+            if fan.size == 0:
+                break
+        heard_m[surface < 0] = np.inf
+
         axis_range_m, cone_range_m = met_m[:, self.rays // 2], met_m.min(axis=1)
-        heard_m, bounces = paths.echo_m[chosen], paths.bounces[chosen]
         return Echoes(
             range_m=self._measured(heard_m, rng),
             axis_range_m=axis_range_m,
             cone_range_m=cone_range_m,
             cause=cause_of(heard_m, bounces, axis_range_m, cone_range_m),
-            surface=paths.surface[chosen],
-            incidence_rad=paths.incidence_rad[chosen],
+            surface=surface,
+            incidence_rad=incidence_rad,
             bounces=bounces,
         )
 
-    def _follow(
-        self,
-        rays: RayCaster,
-        world: World,
-        origin: NDArray[np.float64],
-        direction: NDArray[np.float64],
-    ) -> _Paths:
-        """Follow n rays until each has come back, is lost, or has bounced often enough."""
-        critical_rad = np.array([solid.material.critical_incidence_rad for solid in world.solids])
-        reflectivity = np.array([solid.material.reflectivity for solid in world.solids])
-        paths = _Paths.silent(len(origin))
-        # What is still under way: its row in `paths`, the range so far, its strength.
-        row = np.arange(len(origin))
-        travelled_m, strength = np.zeros(len(origin)), np.ones(len(origin))
-        for bounce in range(self.max_bounces + 1):
-            hits = rays.cast(origin, direction, self.ring.range_max_m - travelled_m)
-            if bounce == 0:
-                paths.met_m[:] = hits.distance_m
-            met = np.flatnonzero(hits.surface >= 0)
-            row, surface, normal = row[met], hits.surface[met], hits.normal_xy[met]
-            origin, direction = origin[met], direction[met]
-            leg_m = hits.distance_m[met]
-            travelled_m = travelled_m[met] + leg_m
-            strength = strength[met] * reflectivity[surface]
-            cos = -(direction * normal).sum(axis=1)
-            incidence_rad = np.arccos(np.clip(cos, -1, 1))
-
-            loud = strength >= self.threshold
-            returns = loud & (incidence_rad <= critical_rad[surface])
-            back = row[returns]
-            paths.echo_m[back] = travelled_m[returns]
-            paths.surface[back] = surface[returns]
-            paths.incidence_rad[back] = incidence_rad[returns]
-            paths.bounces[back] = bounce
-
-            # The rest is mirrored on; a leg shorter than the step off the surface is none.
-            on = np.flatnonzero(
-                loud & ~returns & (travelled_m < self.ring.range_max_m - _OFF_SURFACE_M)
-            )
-            if on.size == 0:
-                break
-            row, travelled_m, strength = row[on], travelled_m[on], strength[on]
-            origin = origin[on] + leg_m[on, None] * direction[on] + _OFF_SURFACE_M * normal[on]
-            direction = direction[on] + 2 * cos[on, None] * normal[on]
-        return paths
+    @cached_property
+    def _bearing_rad(self) -> NDArray[np.float64]:
+        return np.linspace(-self.ring.half_angle_rad, self.ring.half_angle_rad, self.rays)
 
     def _measured(
         self, heard_m: NDArray[np.float64], rng: np.random.Generator
@@ -168,31 +149,6 @@ class ConeSonar:
         # Noise alone must not turn an echo at the very end of the range into silence.
         reading = np.where(np.isfinite(heard_m), np.minimum(reading, self.ring.range_max_m), np.inf)
         return np.where(reading < self.ring.range_min_m, -np.inf, reading)
-
-
-@dataclass(frozen=True, eq=False)
-class _Paths:
-    """What became of n rays."""
-
-    met_m: NDArray[np.float64]
-    """Distance of the first surface, +inf for none."""
-    echo_m: NDArray[np.float64]
-    """Range that the returning sound says, +inf if none returns."""
-    surface: NDArray[np.int32]
-    """The surface that sent it back, -1 for none."""
-    incidence_rad: NDArray[np.float64]
-    bounces: NDArray[np.int16]
-
-    @classmethod
-    def silent(cls, n: int) -> _Paths:
-        """Return n paths that met nothing; the arrays are then filled in."""
-        return cls(
-            met_m=np.full(n, np.inf),
-            echo_m=np.full(n, np.inf),
-            surface=np.full(n, -1, np.int32),
-            incidence_rad=np.full(n, np.nan),
-            bounces=np.zeros(n, np.int16),
-        )
 
 
 # `thesis`: 175 ms, Rashid 2006 p. 59; 0.165 to 3.0 m, p. 56. `aria`: a status packet every 100 ms.

@@ -99,8 +99,8 @@ class Odometer:
 def _along_arc(pose: Pose, left_m: float, right_m: float, track_m: float) -> Pose:
     """Return the pose after the wheels have rolled along an arc."""
     forward_m, turn = (left_m + right_m) / 2, (right_m - left_m) / track_m
-    # The chord of the arc; sinc covers the straight line.
-    chord_m = forward_m * float(np.sinc(turn / math.tau))
+    # The chord of the arc, which a straight line is its own.
+    chord_m = forward_m * math.sin(turn / 2) / (turn / 2) if turn else forward_m
     direction = pose.heading_rad + turn / 2
     return Pose(
         pose.x_m + chord_m * math.cos(direction),

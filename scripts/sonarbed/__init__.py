@@ -1,0 +1,1 @@
+"""The command line `sonarbed`: one thin module a command."""

@@ -1,0 +1,61 @@
+"""`sonarbed import`: logs of real robots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sonarbed.options import Json
+
+__all__ = ["import_"]
+
+
+def import_(
+    files: Annotated[list[Path], typer.Argument(help="The files, in the format's order.")],
+    out: Annotated[Path, typer.Option(help="The log to write (Parquet).")],
+    format_: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            help="udacity (measurement.txt poses.txt) or aria (a CSV of x, y, heading, s0, ...).",
+        ),
+    ],
+    ring: Annotated[
+        str, typer.Option(help="The robot's sonar ring, such as udacity8 or amigobot-aria.")
+    ],
+    keep_stale: Annotated[
+        bool,
+        typer.Option(
+            "--keep-stale", help="Do not mark readings that only repeat the one before as stale."
+        ),
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Read a real robot's log; repeats are marked and left out of maps.
+
+    Example: sonarbed import measurement.txt poses.txt --format udacity --ring udacity8
+    --out log.parquet
+    """
+    import numpy as np
+
+    import sonarmap as sm
+    from sonarbed.console import print_json, print_table
+
+    log = sm.import_log(files, format_, sm.ring(ring))
+    if not keep_stale:
+        log = sm.mark_stale(log)
+    log.write(out)
+    facts = {
+        "file": str(out),
+        "scans": int(np.unique(log.scan).size),
+        "readings": len(log),
+        "seconds": round(float(log.time_s[-1] - log.time_s[0]), 3),
+        "no_echo": int(np.isposinf(log.range_m).sum()),
+        "stale": int(log.stale.sum()),
+    }
+    if as_json:
+        print_json(facts)
+        return
+    print_table("Imported", ["what", "value"], [[k, str(v)] for k, v in facts.items()])

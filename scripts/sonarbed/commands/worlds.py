@@ -1,0 +1,105 @@
+"""`sonarbed worlds`: the rooms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sonarbed.options import Json, Setting
+
+if TYPE_CHECKING:
+    from worlds import World
+
+__all__ = ["worlds"]
+
+
+def worlds(
+    name: Annotated[str | None, typer.Argument(help="A room or a world file to show.")] = None,
+    png: Annotated[Path | None, typer.Option(help="Draw the room into this file.")] = None,
+    setting: Setting = None,
+    as_json: Json = False,
+) -> None:
+    """List the rooms, or show one with what is assumed of it."""
+    from sonarmap.errors import InputError
+
+    if name is None:
+        if png is not None:
+            raise InputError("--png needs the name of a room")
+        _list_rooms(as_json)
+    else:
+        _show(name, png, setting, as_json)
+
+
+def _list_rooms(as_json: bool) -> None:
+    import worlds as rooms
+    from sonarbed.console import print_json, print_table
+
+    known = [rooms.load(name) for name in rooms.names()]
+    if as_json:
+        print_json([_described(world) for world in known])
+        return
+    print_table(
+        "Rooms",
+        ["name", "what", "size", "solids"],
+        [[w.name, w.title, _size(w), str(len(w.solids))] for w in known],
+    )
+
+
+def _show(name: str, png: Path | None, setting: list[str] | None, as_json: bool) -> None:
+    from sonarbed.console import print_json, print_table, say
+    from sonarbed.options import load_world
+
+    world = load_world(name, setting)
+    if png is not None:
+        from sonarbed.pictures import draw_world
+
+        draw_world(world, png)
+    if as_json:
+        print_json(_described(world))
+        return
+    say(f"{world.name}: {world.title}\n{world.source}")
+    print_table(
+        f"Solids, {_size(world)}",
+        ["name", "material", "mirrors beyond", "height"],
+        [
+            [
+                solid.name,
+                solid.material.name,
+                f"{math.degrees(solid.material.critical_incidence_rad):.0f}°",
+                f"{solid.height_m:g} m",
+            ]
+            for solid in world.solids
+        ],
+    )
+    for where, note in world.notes.items():
+        say(f"{where}: {note}")
+    for parameter, value in world.parameters.items():
+        say(f"parameter {parameter} = {value:g}  (--set {parameter}=...)")
+    if png is not None:
+        say(f"Drawn: {png}")
+
+
+def _described(world: World) -> dict[str, object]:
+    return {
+        "name": world.name,
+        "title": world.title,
+        "source": world.source,
+        "bounds_m": list(world.bounds_m),
+        "start": asdict(world.start),
+        "route_m": [list(point) for point in world.route_m],
+        "solids": [
+            {"name": s.name, "material": s.material.name, "height_m": s.height_m}
+            for s in world.solids
+        ],
+        "parameters": dict(world.parameters),
+        "notes": dict(world.notes),
+    }
+
+
+def _size(world: World) -> str:
+    x_min, y_min, x_max, y_max = world.bounds_m
+    return f"{x_max - x_min:g} x {y_max - y_min:g} m"

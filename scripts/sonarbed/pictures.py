@@ -1,0 +1,242 @@
+"""Pictures of rooms, logs and maps. Every function draws one file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from numpy.typing import NDArray
+
+import sonarmap as sm
+import worlds
+from sonarmap.files import atomic_path
+
+__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world"]
+
+# Okabe and Ito's palette: told apart by colour-blind people too.
+CAUSE_COLOURS = {
+    sm.Cause.DIRECT: "#009E73",
+    sm.Cause.OFF_AXIS: "#56B4E9",
+    sm.Cause.OUT_OF_RANGE: "#999999",
+    sm.Cause.BOUNCE: "#E69F00",
+    sm.Cause.CROSSTALK: "#CC79A7",
+    sm.Cause.DROPOUT: "#D55E00",
+}
+_WALL, _PATH = "#444444", "#0072B2"
+_DPI = 110
+# A reading without an echo has no point: it is drawn as a stroke of this length on its axis.
+_SILENT_STROKE_M = 0.12
+
+
+def draw_world(world: worlds.World, path: Path) -> None:
+    """Draw a room with its materials, start and route."""
+    figure = Figure(figsize=(8, 7), layout="constrained")
+    axes = figure.subplots()
+    _room(axes, world, by_material=True)
+    if world.route_m:
+        axes.plot(*np.array(world.route_m).T, "o--", color=_PATH, ms=4, lw=1, label="route")
+    _robot(axes, world.start)
+    axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
+    figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    _save(figure, path)
+
+
+def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
+    """Draw a map with the robot's path by odometry."""
+    figure = Figure(figsize=(8, 7), layout="constrained")
+    axes = figure.subplots()
+    _map(axes, built)
+    axes.plot(log.x_m, log.y_m, color=_PATH, lw=1, label="path by odometry")
+    axes.legend(fontsize=8)
+    image = axes.images[0]
+    figure.colorbar(image, ax=axes, shrink=0.7, label="P(occupied)")
+    _save(figure, path)
+
+
+def draw_demo(
+    world: worlds.World,
+    log: sm.SonarLog,
+    truth: worlds.TruthGrid,
+    observable: NDArray[np.bool_],
+    maps: Mapping[str, sm.OccupancyMap],
+    rows: Sequence[Sequence[str]],
+    path: Path,
+) -> None:
+    """Draw the room, its data points by cause, the truth beside two maps, and the scores."""
+    figure = Figure(figsize=(15, 9), layout="constrained")
+    figure.suptitle(f"{world.title}: {len(log)} readings of {len(log.ring)} sonars", fontsize=13)
+    (room, points, table), (true, *mapped) = figure.subplots(2, 3)
+    log_truth = log.require_truth("the picture")
+
+    _room(room, world)
+    room.plot(log_truth.x_m, log_truth.y_m, color=_PATH, lw=1.5, label="true path")
+    room.plot(log.x_m, log.y_m, color="#E69F00", lw=1, ls="--", label="odometry")
+    _robot(room, world.start)
+    _legend_below(room)
+    room.set_title("the room and the drive")
+
+    _room(points, world)
+    _points_by_cause(points, log)
+    points.set_title("data points by cause (strokes: no echo)")
+    _legend_below(points)
+
+    _table(table, ["", *maps], rows)
+
+    _truth(true, truth, observable)
+    true.set_title("truth (light: never observable)")
+    for axes, (name, built) in zip(mapped, maps.items(), strict=True):
+        _map(axes, built)
+        axes.set_title(f"{name} model")
+    figure.colorbar(mapped[-1].images[0], ax=mapped, shrink=0.8, label="P(occupied)")
+
+    left, right, bottom, top = truth.grid.extent_m
+    for axes in (room, points, true, *mapped):
+        axes.set_xlim(left, right)
+        axes.set_ylim(bottom, top)
+    _save(figure, path)
+
+
+def _save(figure: Figure, path: Path) -> None:
+    with atomic_path(path) as beside:
+        figure.savefig(beside, dpi=_DPI)
+
+
+def _plan(axes: Axes) -> None:
+    axes.set_aspect("equal")
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+
+
+def _legend_below(axes: Axes) -> None:
+    # Beside the picture, never on the points.
+    axes.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.14),
+        ncols=3,
+        fontsize=8,
+        markerscale=3,
+        frameon=False,
+    )
+
+
+def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None:
+    """Draw the solids as filled outlines."""
+    materials = sorted({solid.material.name for solid in world.solids})
+    shades = dict(zip(materials, _shades(len(materials)), strict=True))
+    told: set[str] = set()
+    for solid in world.solids:
+        name = solid.material.name
+        axes.add_patch(
+            PathPatch(
+                _outline(solid),
+                facecolor=shades[name] if by_material else _WALL,
+                edgecolor="black",
+                lw=0.5,
+                label=name if by_material and name not in told else None,
+            )
+        )
+        told.add(name)
+    x_min, y_min, x_max, y_max = world.bounds_m
+    axes.set_xlim(x_min, x_max)
+    axes.set_ylim(y_min, y_max)
+    _plan(axes)
+
+
+def _shades(count: int) -> list[str]:
+    palette = [
+        "#0072B2",
+        "#D55E00",
+        "#009E73",
+        "#CC79A7",
+        "#E69F00",
+        "#56B4E9",
+        "#F0E442",
+        "#444444",
+    ]
+    return [palette[index % len(palette)] for index in range(count)]
+
+
+def _outline(solid: worlds.Solid) -> Outline:
+    rings = [solid.outline.exterior, *solid.outline.interiors]
+    return Outline.make_compound_path(
+        *(Outline(np.array(ring.coords), closed=True) for ring in rings)
+    )
+
+
+def _robot(axes: Axes, start: worlds.Pose) -> None:
+    axes.plot(start.x_m, start.y_m, "o", color=_PATH, ms=7)
+    axes.quiver(
+        start.x_m,
+        start.y_m,
+        np.cos(start.heading_rad),
+        np.sin(start.heading_rad),
+        color=_PATH,
+        scale=12,
+        width=0.008,
+    )
+
+
+def _points_by_cause(axes: Axes, log: sm.SonarLog) -> None:
+    """Draw each reading at its data point, from its true pose, in the colour of its cause."""
+    truth = log.require_truth("the picture")
+    seen_from = log.at_true_poses()
+    for cause, colour in CAUSE_COLOURS.items():
+        rows = truth.cause == cause
+        if not rows.any():
+            continue
+        label = f"{cause.name.lower().replace('_', ' ')} {rows.mean():.0%}"
+        chosen = seen_from.select(rows)
+        axes.plot(*chosen.point_xy_m.T, ".", ms=2, color=colour, label=label)
+        silent = chosen.select(np.isposinf(chosen.range_m))
+        axis = np.column_stack([np.cos(silent.axis_rad), np.sin(silent.axis_rad)])
+        begin = silent.sensor_xy_m
+        strokes = np.stack([begin, begin + _SILENT_STROKE_M * axis], axis=1)
+        axes.add_collection(LineCollection(list(strokes), colors=colour, lw=0.3, alpha=0.5))
+
+
+def _truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -> None:
+    shown = truth.state.astype(float) + np.where(observable, 0, 3)
+    # free, occupied, hidden; then the same where nothing could be observed.
+    colours = ListedColormap(["#FFFFFF", "#000000", "#9A9A9A", "#E8EEF4", "#B8C4D0", "#C8C8C8"])
+    axes.imshow(
+        shown, cmap=colours, vmin=-0.5, vmax=5.5, origin="lower", extent=truth.grid.extent_m
+    )
+    _plan(axes)
+
+
+def _map(axes: Axes, built: sm.OccupancyMap) -> None:
+    axes.imshow(
+        built.probability,
+        cmap="Greys",
+        vmin=0,
+        vmax=1,
+        origin="lower",
+        extent=built.grid.extent_m,
+        interpolation="nearest",
+    )
+    _plan(axes)
+
+
+def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    axes.axis("off")
+    table = axes.table(
+        cellText=[list(row) for row in rows],
+        colLabels=list(header),
+        loc="center",
+        cellLoc="right",
+        colWidths=[0.44, 0.26, 0.30],
+        edges="horizontal",
+    )
+    for row in range(len(rows) + 1):
+        table[row, 0].set_text_props(ha="left")
+    table.auto_set_font_size(False)
+    table.set_fontsize(10)
+    table.scale(1, 1.6)
+    axes.set_title("scores over observable cells", pad=18)

@@ -1,0 +1,102 @@
+"""The compiled step of the simple cone: what becomes of rays that have met a surface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+__all__ = ["meet_surfaces"]
+
+# A mirrored ray begins this far off the surface, so that it does not meet it again; metres.
+_OFF_SURFACE_M = 1e-6
+
+
+@njit(cache=True)
+def meet_surfaces(
+    fan,
+    origin,
+    direction,
+    travelled_m,
+    strength,
+    leg_m,
+    normal,
+    surface,
+    critical_rad,
+    reflectivity,
+    threshold,
+    bounce,
+    best_m,
+    best_surface,
+    best_incidence_rad,
+    best_bounces,
+):
+    """Let rays return to their fan or mirror them on; return those still under way.
+
+    A ray that meets its surface within the critical angle returns: its fan keeps the first
+    return in the ``best_*`` arrays, changed in place. A ray beyond it is mirrored, as long as
+    it is loud enough and may still be the first of its fan.
+
+    Parameters
+    ----------
+    fan : ndarray of int, shape (n,)
+        The fan of each ray, an index of the ``best_*`` arrays.
+    origin, direction : ndarray, shape (n, 2)
+        Where the last leg began, metres, and its unit direction.
+    travelled_m, strength : ndarray, shape (n,)
+        Way before the last leg, metres, and share of the amplitude that is left.
+    leg_m, normal, surface : ndarray, shapes (n,), (n, 2), (n,)
+        What the leg met, as `worlds.RayHits`.
+    critical_rad, reflectivity : ndarray, shape (surfaces,)
+        What the surfaces do to sound.
+    threshold : float
+        Weaker sound is lost.
+    bounce : int
+        Mirrors on the way so far.
+    best_m, best_surface, best_incidence_rad, best_bounces : ndarray, shape (fans,)
+        The first return of each fan so far; ``best_m`` begins as the maximum range.
+
+    Returns
+    -------
+    fan, origin, direction, travelled_m, strength : ndarray
+        As the parameters, of the m <= n rays that are mirrored on.
+    """
+    n = fan.size
+    mirrored = np.empty(n, np.int64)
+    count = 0
+    for i in range(n):
+        if surface[i] < 0:
+            continue
+        travelled_m[i] += leg_m[i]
+        strength[i] *= reflectivity[surface[i]]
+        if strength[i] < threshold:
+            continue
+        cos = -(direction[i, 0] * normal[i, 0] + direction[i, 1] * normal[i, 1])
+        incidence_rad = math.acos(min(max(cos, -1.0), 1.0))
+        if incidence_rad > critical_rad[surface[i]]:
+            mirrored[count] = i
+            count += 1
+        elif travelled_m[i] < best_m[fan[i]] or (
+            # An echo from exactly the maximum range is one.
+            best_surface[fan[i]] < 0 and travelled_m[i] == best_m[fan[i]]
+        ):
+            best_m[fan[i]] = travelled_m[i]
+            best_surface[fan[i]] = surface[i]
+            best_incidence_rad[fan[i]] = incidence_rad
+            best_bounces[fan[i]] = bounce
+
+    on = np.empty(count, np.int64)
+    m = 0
+    for k in range(count):
+        i = mirrored[k]
+        if travelled_m[i] + _OFF_SURFACE_M < best_m[fan[i]]:
+            on[m] = i
+            m += 1
+            for axis in range(2):
+                origin[i, axis] += leg_m[i] * direction[i, axis] + _OFF_SURFACE_M * normal[i, axis]
+            along = direction[i, 0] * normal[i, 0] + direction[i, 1] * normal[i, 1]
+            for axis in range(2):
+                direction[i, axis] -= 2 * along * normal[i, axis]
+    on = on[:m]
+    return fan[on], origin[on], direction[on], travelled_m[on], strength[on]
