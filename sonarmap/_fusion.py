@@ -81,7 +81,9 @@ def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         r = math.sqrt(dx[j] * dx[j] + dy[j] * dy[j])
         along = dx[j] * axis_x + dy[j] * axis_y
         across = abs(dx[j] * axis_y - dy[j] * axis_x)
-        t = across / (r + along + _TINY)
+        # Behind the sonar, where r + along comes down to 0, any finite number will do.
+        ahead = along if along > 0.0 else 0.0
+        t = across / (r + ahead + _TINY)
         z = t * t
         # Horner's rule, written out: a loop here would keep the outer one from being vectorised.
         poly = c[11] + z * c[12]

@@ -101,8 +101,9 @@ def test_covering_is_the_smallest_aligned_grid_over_a_box():
 
 
 def test_covering_adds_no_cell_for_a_rounding_error():
-    # 0.3 / 0.1 is 2.9999999999999996, 0.7 / 0.1 is 6.999999999999999.
+    # 0.3 / 0.1 is 2.9999999999999996, 2.1 / 0.3 is 7.000000000000001.
     assert sm.GridSpec.covering(0.3, 0.3, 0.7, 0.7, 0.1).shape == (4, 4)
+    assert sm.GridSpec.covering(0.0, 0.0, 2.1, 2.1, 0.3).shape == (7, 7)
 
 
 def test_covering_a_point_is_one_cell():

@@ -44,6 +44,12 @@ def test_the_same_log_is_the_same_bytes(log, tmp_path):
     assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
 
 
+def test_the_order_of_the_provenance_does_not_matter(tmp_path):
+    for name, provenance in (("a", {"seed": 1, "world": "x"}), ("b", {"world": "x", "seed": 1})):
+        make_log(1.0, provenance=provenance).write(tmp_path / name)
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
 def test_provenance_may_be_nested_and_in_any_language(tmp_path):
     provenance = {"world": {"door_m": 0.8, "name": "büro"}, "files": ["a", "b"], "seed": None}
     make_log(1.0, provenance=provenance).write(tmp_path / "log.parquet")

@@ -99,12 +99,16 @@ def test_the_compiled_map_is_the_slow_one(kind, no_echo, half_angle_deg, resolut
 
 @pytest.mark.parametrize("kind", ["standard", "parameterized"])
 @pytest.mark.parametrize("half_angle_deg", [15, 30, 45, 60])
-@pytest.mark.parametrize("place", ["cell centre", "cell corner", "cell border", "anywhere"])
+@pytest.mark.parametrize(
+    "place", ["cell centre", "cell corner", "cell border", "row of centres", "anywhere"]
+)
 def test_it_is_so_with_headings_along_the_axes(kind, half_angle_deg, place):
     x_m, y_m = {
         "cell centre": (0.0625, -0.0625),
         "cell corner": (0.125, 0.25),
         "cell border": (0.125, 0.1),
+        # here a centre lies straight behind the sonar, less than a cell away
+        "row of centres": (0.1, -0.0625),
         "anywhere": (0.031, -0.047),
     }[place]
     headings = np.arange(-8, 9) * math.pi / 4
@@ -276,6 +280,15 @@ def test_a_mirrored_log_gives_the_mirrored_map(model, rng):
     straight = sm.build_map(log, model, GRID).log_odds
     m = sm.build_map(mirrored, model, GRID).log_odds
     np.testing.assert_allclose(m, straight[::-1], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_size_of_the_cells_does_not_alter_the_model(model, rng):
+    # Of each three by three fine cells the middle one has the centre of the coarse cell.
+    log = random_log(rng, 40)
+    coarse = sm.build_map(log, model, sm.GridSpec(0.12, (-2.4, -2.4), (40, 40))).log_odds
+    fine = sm.build_map(log, model, sm.GridSpec(0.04, (-2.4, -2.4), (120, 120))).log_odds
+    np.testing.assert_allclose(fine[1::3, 1::3], coarse, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -31,13 +31,25 @@ def test_a_repeat_of_one_sonar_is_stale(range_m, stale):
 
 
 def test_each_sonar_is_compared_with_itself():
+    # The last reading of sonar 0 is the first of sonar 1, too.
     log = make_log(
-        [1.0, 2.0, 1.0, 1.0, 3.0, 1.0],
+        [1.0, 1.0, 2.0, 1.0, 3.0, 2.0],
         ring=THREE,
         sonar=[0, 1, 2, 0, 1, 2],
         scan=[0, 0, 0, 1, 1, 1],
     )
     assert mark_stale(log).stale.tolist() == [False, False, False, True, False, True]
+
+
+def test_a_long_log_is_marked_as_a_plain_loop_would(rng):
+    log = random_log(rng, 1000)
+    log = log.replace(range_m=np.round(log.range_m), stale=np.zeros(1000, bool))
+    last, stale = {}, []
+    for sonar, range_m in zip(log.sonar, log.range_m, strict=True):
+        stale.append(last.get(sonar) == range_m)
+        last[sonar] = range_m
+    assert 200 < sum(stale) < 800
+    assert mark_stale(log).stale.tolist() == stale
 
 
 def test_marks_that_were_there_stay():
