@@ -1,5 +1,8 @@
 from .errors import InputError as InputError
 from .grid import GridSpec as GridSpec
+from .hsr import HsrParams as HsrParams
+from .hsr import HsrResult as HsrResult
+from .hsr import hsr as hsr
 from .importers import import_log as import_log
 from .importers import read_aria as read_aria
 from .importers import read_udacity as read_udacity
