@@ -9,7 +9,7 @@ import sonarmap as sm
 from sonarmap.hsr import estimate_variant_walls
 
 PARAMS = sm.HsrParams(0.02, 0.15, threshold_m=3.0, target_distance_m=0.06)
-SIDE_M = 5.0
+SIDE_M = 3.2
 
 
 def main() -> None:
@@ -35,7 +35,7 @@ def timed(log: sm.SonarLog) -> tuple[float, sm.HsrResult]:
 
 def room_log(rng: np.random.Generator, n: int) -> sm.SonarLog:
     """Return a drive in a square room whose walls mirror every fifth reading away."""
-    x_m, y_m = rng.uniform(1, SIDE_M - 1, (2, n))
+    x_m, y_m = rng.uniform(0.5, SIDE_M - 0.5, (2, n))
     log = sm.SonarLog(
         ring=sm.AMIGOBOT,
         scan=np.arange(n) // 8,

@@ -31,19 +31,19 @@ _FAR = 254
 
 @njit(cache=True, inline="always", error_model="numpy")
 def _place(start, delta, k, n):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    """Coordinate of sample k of n + 1."""
+    """Return the coordinate of sample k of n + 1."""
     return start + (k / n) * delta
 
 
 @njit(cache=True, inline="always", error_model="numpy")
 def _cell(place, origin, resolution):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    """Row or column of a coordinate: the floor rule of `GridSpec.cell_of`, written again."""
+    """Return the row or column of a coordinate: the floor rule of `GridSpec.cell_of`, written again."""
     return np.int64(math.floor((place - origin) / resolution))
 
 
 @njit(cache=True, inline="always", error_model="numpy")
 def _intervals(dx, dy):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    """Number of sampling intervals; at least 1, or a line without length had no sample."""
+    """Return the number of sampling intervals, at least 1 for a line without length."""
     return max(np.int64(math.ceil(max(abs(dx), abs(dy)) / _STEP_M)), 1)
 
 
@@ -215,6 +215,6 @@ def _length(dx, dy):  # type: ignore[no-untyped-def]  # pragma: no cover - compi
 def _samples_per_cell(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     dx, dy, n, resolution
 ):
-    """Samples, at least 1, in which a line moves by about a cell: a guess, see above."""
+    """Return the samples in which a line moves by about a cell: a guess, see above."""
     fastest = max(abs(dx), abs(dy))
     return max(np.int64(min(resolution * n / fastest, n)), 1) if fastest > 0 else np.int64(1)
