@@ -1,3 +1,4 @@
+from . import goodness as goodness
 from .errors import InputError as InputError
 from .grid import GridSpec as GridSpec
 from .hsr import HsrParams as HsrParams

@@ -37,7 +37,7 @@ def _place(start, delta, k, n):  # type: ignore[no-untyped-def]  # pragma: no co
 
 @njit(cache=True, inline="always", error_model="numpy")
 def _cell(place, origin, resolution):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    """Return the row or column of a coordinate: the floor rule of `GridSpec.cell_of`, written again."""
+    """Return the row or column of a coordinate: `GridSpec.cell_of` once more."""
     return np.int64(math.floor((place - origin) / resolution))
 
 

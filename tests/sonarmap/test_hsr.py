@@ -236,6 +236,7 @@ WITNESS = (0.5025, 0.0025, 0, 0.5)
         # The wall within the maximum range of 3 m, and beyond it: an empty place.
         ((-1.9975, 0.0025, 0, np.inf), 2.998),
         ((-2.0125, 0.0025, 0, np.inf), np.inf),
+        ((-2.0035, 0.0025, 0, np.inf), np.inf),
         # Through ES without meeting a mark, and out of it: stays without echo.
         ((0.0025, 0.0025, 90, np.inf), np.inf),
     ],
