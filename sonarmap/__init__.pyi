@@ -17,6 +17,8 @@ from .models import ParameterizedModel as ParameterizedModel
 from .models import SensorModel as SensorModel
 from .models import StandardModel as StandardModel
 from .occupancy import OccupancyMap as OccupancyMap
+from .reading_scores import ReadingScore as ReadingScore
+from .reading_scores import score_readings as score_readings
 from .rings import AMIGOBOT as AMIGOBOT
 from .rings import SonarRing as SonarRing
 from .rings import ring as ring
