@@ -21,7 +21,7 @@ from sonarmap.errors import InputError, positive
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.mapping import NoEcho, Poses, evidence_of, one_of, reading_limit_m
-from sonarmap.models import ParameterizedModel, Regions, SensorModel
+from sonarmap.models import THESIS_UNIT_M, ParameterizedModel, Regions, SensorModel
 from sonarmap.occupancy import OccupancyMap
 from sonarmap.scores import OCCUPIED_FROM
 
@@ -210,19 +210,15 @@ def compare_runs(
     )
 
 
-def thesis_parameter_sets(*, unit_m: float = 0.1) -> tuple[ParameterizedModel, ...]:
-    """Return the 1440 sets of the thesis's search (table 5.1), in the order of P5, 2 P3, P4, P2.
-
-    Parameters
-    ----------
-    unit_m : float
-        The thesis gives 2 P3 as 0.5 to 3.0 units, and draws ten units for its range of one
-        metre: one unit is taken as 0.1 m.
-    """
-    positive("unit_m", unit_m)
+def thesis_parameter_sets() -> tuple[ParameterizedModel, ...]:
+    """Return the 1440 sets of the thesis's search (table 5.1), in the order of P5, 2 P3, P4, P2."""
     return tuple(
         ParameterizedModel(
-            p1=round(1 - p4, 2), p2=p2, p3_m=twice_p3 / 2 * unit_m, p4=p4, p5_rad=math.radians(p5)
+            p1=round(1 - p4, 2),
+            p2=p2,
+            p3_m=twice_p3 / 2 * THESIS_UNIT_M,
+            p4=p4,
+            p5_rad=math.radians(p5),
         )
         for p5 in (*range(6, 16), 20, 25, 30, 35, 40)
         for twice_p3 in (0.5, 1, 1.5, 2, 2.5, 3)

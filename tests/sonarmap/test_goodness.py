@@ -282,7 +282,6 @@ def test_the_1440_sets_of_the_thesis():
             lambda log, m: goodness.compare_runs(m, m, occupied_from=0.5),
             r"occupied_from must be in \(0\.5, 1\), got 0\.5",
         ),
-        (lambda log, m: goodness.thesis_parameter_sets(unit_m=-1), "unit_m must be > 0, got -1"),
     ],
 )
 def test_bad_input(call, message):

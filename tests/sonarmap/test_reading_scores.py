@@ -84,6 +84,12 @@ def test_counts_and_shares(name, value):
     assert len(SCORE) == 8
 
 
+def test_only_updated_readings_are_mended_or_spoiled():
+    # A bounce that happens to be near the truth, and a right reading that is 0.2 m off.
+    score = score_of([(BOUNCE, 1.05, 1.05, 1.0, 1.0), (D, 1.2, 1.2, 1.0, 1.0)])
+    assert (score.mended, score.spoiled) == (0, 0)
+
+
 @pytest.mark.parametrize(
     ("group", "when", "against", "errors_m"),
     [
