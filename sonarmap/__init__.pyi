@@ -1,5 +1,9 @@
+from . import goodness as goodness
 from .errors import InputError as InputError
 from .grid import GridSpec as GridSpec
+from .hsr import HsrParams as HsrParams
+from .hsr import HsrResult as HsrResult
+from .hsr import hsr as hsr
 from .importers import import_log as import_log
 from .importers import read_aria as read_aria
 from .importers import read_udacity as read_udacity
@@ -13,6 +17,8 @@ from .models import ParameterizedModel as ParameterizedModel
 from .models import SensorModel as SensorModel
 from .models import StandardModel as StandardModel
 from .occupancy import OccupancyMap as OccupancyMap
+from .reading_scores import ReadingScore as ReadingScore
+from .reading_scores import score_readings as score_readings
 from .rings import AMIGOBOT as AMIGOBOT
 from .rings import SonarRing as SonarRing
 from .rings import ring as ring

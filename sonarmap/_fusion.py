@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["add_readings", "bearing_polynomial"]
+__all__ = ["add_listed", "add_readings", "bearing_polynomial", "count_cells", "list_cones"]
 
 _DEGREE = 12
 _LN_2 = math.log(2)
@@ -69,15 +69,14 @@ def _log(x):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 
 @njit(cache=True, fastmath=_FAST, error_model="numpy")
-def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    dx, dy, out, axis_x, axis_y, border, axis, edge, c
+def _geometry(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    dx, dy, r_out, share_out, axis_x, axis_y, c
 ):
-    """Write the log-odds of cells at (dx, dy) from the sonar into `out`; 0 where silent."""
-    near, middle, reach = border[0], border[1], border[2]
-    axis0, axis0_slope, edge0, edge0_slope = axis[0, 0], axis[0, 1], edge[0, 0], edge[0, 1]
-    axis1, axis1_slope, edge1, edge1_slope = axis[1, 0], axis[1, 1], edge[1, 0], edge[1, 1]
-    axis2, axis2_slope, edge2, edge2_slope = axis[2, 0], axis[2, 1], edge[2, 0], edge[2, 1]
-    for j in range(out.size):
+    """Write range and bearing / half-angle of cells at (dx, dy) from the sonar.
+
+    Cells behind the sonar get a share of 2: outside of the cone, like all above 1.
+    """
+    for j in range(r_out.size):
         r = math.sqrt(dx[j] * dx[j] + dy[j] * dy[j])
         along = dx[j] * axis_x + dy[j] * axis_y
         across = abs(dx[j] * axis_y - dy[j] * axis_x)
@@ -98,6 +97,21 @@ def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         poly = c[2] + z * poly
         poly = c[1] + z * poly
         share = t * (c[0] + z * poly)
+        r_out[j] = r
+        share_out[j] = share if along >= 0.0 else 2.0
+
+
+@njit(cache=True, fastmath=_FAST, error_model="numpy")
+def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    ranges, shares, p_out, log_odds_out, border, axis, edge
+):
+    """Write P(occupied) of cells, -1 where silent, and its log-odds, 0 where silent."""
+    near, middle, reach = border[0], border[1], border[2]
+    axis0, axis0_slope, edge0, edge0_slope = axis[0, 0], axis[0, 1], edge[0, 0], edge[0, 1]
+    axis1, axis1_slope, edge1, edge1_slope = axis[1, 0], axis[1, 1], edge[1, 0], edge[1, 1]
+    axis2, axis2_slope, edge2, edge2_slope = axis[2, 0], axis[2, 1], edge[2, 0], edge[2, 1]
+    for j in range(p_out.size):
+        r, share = ranges[j], shares[j]
         in_first, in_second = r < near, r < middle
         on_axis = (
             axis0 + axis0_slope * r
@@ -113,8 +127,84 @@ def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         p = p if p > _P_MIN else _P_MIN
         p = p if p < _P_MAX else _P_MAX
         log_odds = _log(p / (1.0 - p))
-        speaks = (share <= 1.0) & (r <= reach) & (along >= 0.0)
-        out[j] = log_odds if speaks else 0.0
+        speaks = (share <= 1.0) & (r <= reach)
+        p_out[j] = p if speaks else -1.0
+        log_odds_out[j] = log_odds if speaks else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    rows,
+    cols,
+    start_x,
+    start_y,
+    resolution,
+    axis_x,
+    axis_y,
+    half_angle,
+    reach,
+    first,
+    count,
+    dx,
+    dy,
+):
+    """List the cells of a cone row by row: in each those between its edges and within reach.
+
+    Writes the first column and the number of cells of each row, and the cells' places relative
+    to the sonar; returns (first row, row after the last, cells). `start_x` and `start_y` are the
+    sonar's place relative to the centre of cell (0, 0).
+    """
+    cos_half, sin_half = math.cos(half_angle), math.sin(half_angle)
+    # Directions of the cone's left and right edge.
+    left_x = axis_x * cos_half - axis_y * sin_half
+    left_y = axis_y * cos_half + axis_x * sin_half
+    right_x = axis_x * cos_half + axis_y * sin_half
+    right_y = axis_y * cos_half - axis_x * sin_half
+
+    # Rows of the cone: between its corners, or up to the arc where it holds the y direction.
+    top = reach if axis_y > cos_half else reach * max(0.0, left_y, right_y)
+    bottom = -reach if axis_y < -cos_half else reach * min(0.0, left_y, right_y)
+    # Here and below a cell of slack: `_geometry` decides exactly, this only saves it work.
+    row_begin = max(0, math.floor((start_y + bottom) / resolution))
+    row_end = min(rows, math.ceil((start_y + top) / resolution) + 1)
+
+    n = 0
+    for row in range(row_begin, row_end):
+        first[row], count[row] = 0, 0
+        v = row * resolution - start_y
+        half_chord_squared = reach * reach - v * v
+        if half_chord_squared < 0:
+            continue
+        high = math.sqrt(half_chord_squared)
+        low = -high
+        if left_y > _TINY:
+            low = max(low, v * left_x / left_y)
+        elif left_y < -_TINY:
+            high = min(high, v * left_x / left_y)
+        if right_y > _TINY:
+            high = min(high, v * right_x / right_y)
+        elif right_y < -_TINY:
+            low = max(low, v * right_x / right_y)
+        begin = max(0, math.floor((start_x + low) / resolution - _SLACK))
+        end = min(cols, math.ceil((start_x + high) / resolution + _SLACK) + 1)
+        if end <= begin:
+            continue
+        first[row], count[row] = begin, end - begin
+        for k in range(end - begin):
+            dx[n + k] = (begin + k) * resolution - start_x
+            dy[n + k] = v
+        n += end - begin
+    return row_begin, row_end, n
+
+
+@njit(cache=True, error_model="numpy")
+def _room(rows, cols, resolution, reach):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    """Return a bound on the cells within reach of a sonar: half a disc, in its bounding box."""
+    room = 0
+    for i in range(reach.size):
+        across = int(2 * reach[i] / resolution) + 3
+        room = max(room, min(rows, across) * min(cols, across))
+    return room
 
 
 @njit(cache=True, error_model="numpy")
@@ -154,65 +244,32 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         Bound on the sum in each cell, inf for none.
     """
     rows, cols = log_odds.shape
-    # At most this many cells lie within reach of a sonar: half a disc, in its bounding box.
-    room = 0
-    for i in range(axis_rad.size):
-        across = int(2 * border[i, 2] / resolution) + 3
-        room = max(room, min(rows, across) * min(cols, across))
-    dx, dy, evidence = np.empty(room), np.empty(room), np.empty(room)
+    room = _room(rows, cols, resolution, border[:, 2])
+    dx, dy, p, evidence = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
+    ranges, shares = np.empty(room), np.empty(room)
     first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
-    cos_half, sin_half = math.cos(half_angle), math.sin(half_angle)
 
     for i in range(axis_rad.size):
         axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
-        # Directions of the cone's left and right edge.
-        left_x = axis_x * cos_half - axis_y * sin_half
-        left_y = axis_y * cos_half + axis_x * sin_half
-        right_x = axis_x * cos_half + axis_y * sin_half
-        right_y = axis_y * cos_half - axis_x * sin_half
-        reach = border[i, 2]
-        # The sonar's place relative to the centre of cell (0, 0).
         start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
         start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
-
-        # Rows of the cone: between its corners, or up to the arc where it holds the y direction.
-        top = reach if axis_y > cos_half else reach * max(0.0, left_y, right_y)
-        bottom = -reach if axis_y < -cos_half else reach * min(0.0, left_y, right_y)
-        # Here and below a cell of slack: `_evidence` decides exactly, this only saves it work.
-        row_begin = max(0, math.floor((start_y + bottom) / resolution))
-        row_end = min(rows, math.ceil((start_y + top) / resolution) + 1)
-
-        # List the cells: in each row those between the cone's edges and within reach.
-        n = 0
-        for row in range(row_begin, row_end):
-            first[row], count[row] = 0, 0
-            v = row * resolution - start_y
-            half_chord_squared = reach * reach - v * v
-            if half_chord_squared < 0:
-                continue
-            high = math.sqrt(half_chord_squared)
-            low = -high
-            if left_y > _TINY:
-                low = max(low, v * left_x / left_y)
-            elif left_y < -_TINY:
-                high = min(high, v * left_x / left_y)
-            if right_y > _TINY:
-                high = min(high, v * right_x / right_y)
-            elif right_y < -_TINY:
-                low = max(low, v * right_x / right_y)
-            begin = max(0, math.floor((start_x + low) / resolution - _SLACK))
-            end = min(cols, math.ceil((start_x + high) / resolution + _SLACK) + 1)
-            if end <= begin:
-                continue
-            first[row], count[row] = begin, end - begin
-            for k in range(end - begin):
-                dx[n + k] = (begin + k) * resolution - start_x
-                dy[n + k] = v
-            n += end - begin
-
-        _evidence(
-            dx[:n], dy[:n], evidence[:n], axis_x, axis_y, border[i], axis[i], edge[i], bearing
+        row_begin, row_end, n = _list_cells(
+            rows,
+            cols,
+            start_x,
+            start_y,
+            resolution,
+            axis_x,
+            axis_y,
+            half_angle,
+            border[i, 2],
+            first,
+            count,
+            dx,
+            dy,
         )
+        _geometry(dx[:n], dy[:n], ranges[:n], shares[:n], axis_x, axis_y, bearing)
+        _evidence(ranges[:n], shares[:n], p[:n], evidence[:n], border[i], axis[i], edge[i])
 
         n = 0
         for row in range(row_begin, row_end):
@@ -223,3 +280,177 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 total = total if total < limit else limit
                 line[k] = total if total > -limit else -limit
             n += count[row]
+
+
+@njit(cache=True, error_model="numpy")
+def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, reach
+):
+    """Return a bound on the cells of each cone and on its rows, int64 (n, 2)."""
+    room = _room(rows, cols, resolution, reach)
+    dx, dy = np.empty(room), np.empty(room)
+    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
+    bounds = np.empty((reach.size, 2), np.int64)
+    for i in range(reach.size):
+        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
+        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
+        row_begin, row_end, n = _list_cells(
+            rows,
+            cols,
+            start_x,
+            start_y,
+            resolution,
+            math.cos(axis_rad[i]),
+            math.sin(axis_rad[i]),
+            half_angle,
+            reach[i],
+            first,
+            count,
+            dx,
+            dy,
+        )
+        bounds[i, 0], bounds[i, 1] = n, max(row_end - row_begin, 0)
+    return bounds
+
+
+@njit(cache=True, error_model="numpy")
+def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    rows,
+    cols,
+    origin_x,
+    origin_y,
+    resolution,
+    sensor_xy,
+    axis_rad,
+    half_angle,
+    reach,
+    bearing,
+    bounds,
+):
+    """List the cells of n cones with what no model changes: their ranges and bearings.
+
+    Parameters
+    ----------
+    rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, bearing
+        As in `add_readings`.
+    reach : ndarray, shape (n,)
+        How far each cone is listed, metres.
+    bounds : ndarray, shape (n, 2)
+        From `count_cells`.
+
+    Returns
+    -------
+    first_run, first_cell : ndarray, shape (n + 1,)
+        Where the runs and the cells of each cone begin. A run is a row of the cone.
+    run_cell, run_length : ndarray, shape (runs,)
+        Flat index of the first cell in the grid, and number of cells.
+    ranges, shares : ndarray, shape (cells,)
+        Range in metres and bearing / half-angle of each cell.
+    """
+    room = _room(rows, cols, resolution, reach)
+    dx, dy, r, share = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
+    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
+    cell_bound, run_bound = bounds[:, 0].sum(), bounds[:, 1].sum()
+    ranges, shares = np.empty(cell_bound), np.empty(cell_bound)
+    run_cell, run_length = np.empty(run_bound, np.int64), np.empty(run_bound, np.int64)
+    first_run = np.zeros(reach.size + 1, np.int64)
+    first_cell = np.zeros(reach.size + 1, np.int64)
+    runs, cells = 0, 0
+
+    for i in range(reach.size):
+        axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
+        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
+        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
+        row_begin, row_end, n = _list_cells(
+            rows,
+            cols,
+            start_x,
+            start_y,
+            resolution,
+            axis_x,
+            axis_y,
+            half_angle,
+            reach[i],
+            first,
+            count,
+            dx,
+            dy,
+        )
+        _geometry(dx[:n], dy[:n], r[:n], share[:n], axis_x, axis_y, bearing)
+        n = 0
+        for row in range(row_begin, row_end):
+            begin, end = n, n + count[row]
+            n = end
+            # A cone is convex: what lies outside of it lies at the ends of a row.
+            while begin < end and (share[begin] > 1.0 or r[begin] > reach[i]):
+                begin += 1
+            while begin < end and (share[end - 1] > 1.0 or r[end - 1] > reach[i]):
+                end -= 1
+            if begin == end:
+                continue
+            run_cell[runs] = row * cols + first[row] + begin - (n - count[row])
+            run_length[runs] = end - begin
+            runs += 1
+            ranges[cells : cells + end - begin] = r[begin:end]
+            shares[cells : cells + end - begin] = share[begin:end]
+            cells += end - begin
+        first_run[i + 1], first_cell[i + 1] = runs, cells
+    return (
+        first_run,
+        first_cell,
+        run_cell[:runs].copy(),
+        run_length[:runs].copy(),
+        ranges[:cells].copy(),
+        shares[:cells].copy(),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def add_listed(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    log_odds,
+    seen,
+    mean,
+    deviation,
+    first_run,
+    first_cell,
+    run_cell,
+    run_length,
+    ranges,
+    shares,
+    border,
+    axis,
+    edge,
+):
+    """Add the evidence of n listed readings to a map and to the running moments of P(occupied).
+
+    Parameters
+    ----------
+    log_odds, seen, mean, deviation : ndarray, shape (rows * cols,)
+        Changed in place: the map; the number of readings that spoke of each cell, the mean of
+        what they said and the sum of its squared deviations (Welford's recurrence).
+    first_run, first_cell, run_cell, run_length, ranges, shares
+        From `list_cones`.
+    border, axis, edge : ndarray, shapes (n, 3), (n, 3, 2), (n, 3, 2)
+        The readings' `Regions`.
+    """
+    room = 0
+    for i in range(first_cell.size - 1):
+        room = max(room, first_cell[i + 1] - first_cell[i])
+    p, evidence = np.empty(room), np.empty(room)
+    for i in range(first_cell.size - 1):
+        begin, end = first_cell[i], first_cell[i + 1]
+        n = end - begin
+        _evidence(
+            ranges[begin:end], shares[begin:end], p[:n], evidence[:n], border[i], axis[i], edge[i]
+        )
+        n = 0
+        for run in range(first_run[i], first_run[i + 1]):
+            for cell in range(run_cell[run], run_cell[run] + run_length[run]):
+                value = p[n]
+                if value >= 0.0:
+                    log_odds[cell] += evidence[n]
+                    seen[cell] += 1.0
+                    step = value - mean[cell]
+                    mean[cell] += step / seen[cell]
+                    deviation[cell] += step * (value - mean[cell])
+                n += 1

@@ -68,20 +68,17 @@ def build_map(
     InputError
         If an argument breaks its rule.
     """
-    _one_of("no_echo", no_echo, get_args(NoEcho))
-    _one_of("poses", poses, get_args(Poses))
+    one_of("no_echo", no_echo, get_args(NoEcho))
+    one_of("poses", poses, get_args(Poses))
     if not log_odds_limit > 0:
         raise InputError(f"log_odds_limit must be > 0, got {log_odds_limit!r}")
     if poses == "true":
         log = log.at_true_poses()
-    limit_m = min(
-        log.ring.range_max_m if max_range_m is None else positive("max_range_m", max_range_m),
-        model.range_limit_m,
-    )
+    limit_m = reading_limit_m(log, model, max_range_m)
     if grid is None:
         grid = grid_over(log, max_range_m=limit_m)
 
-    used, regions = _evidence_of(log, model, limit_m, no_echo)
+    used, regions = evidence_of(log, model, limit_m, no_echo)
     log_odds = np.zeros(grid.shape)
     _fuse(log_odds, grid, log.sensor_xy_m[used], log.axis_rad[used], model, regions, log_odds_limit)
     return OccupancyMap(grid, log_odds)
@@ -117,10 +114,19 @@ def grid_over(
     return GridSpec.covering(float(x_min), float(y_min), float(x_max), float(y_max), resolution_m)
 
 
-def _evidence_of(
+def reading_limit_m(log: SonarLog, model: SensorModel, max_range_m: float | None) -> float:
+    """Return the range above which a reading is taken as no echo, metres."""
+    limit_m = log.ring.range_max_m if max_range_m is None else positive("max_range_m", max_range_m)
+    return min(limit_m, model.range_limit_m)
+
+
+def evidence_of(
     log: SonarLog, model: SensorModel, limit_m: float, no_echo: NoEcho
 ) -> tuple[NDArray[np.bool_], Regions]:
-    """Return which readings say something, and what."""
+    """Return which readings say something (a mask), and the regions of those.
+
+    Readings above `limit_m` are taken as no echo.
+    """
     echo = ~log.stale & (log.range_m <= limit_m) & (log.range_m >= 0)
     if no_echo == "ignore":
         return echo, model.regions(log.range_m[echo])
@@ -160,6 +166,7 @@ def _fuse(
     )
 
 
-def _one_of(name: str, value: str, known: tuple[str, ...]) -> None:
+def one_of(name: str, value: str, known: tuple[str, ...]) -> None:
+    """Raise `InputError` if `value` is none of the known words."""
     if value not in known:
         raise InputError(f"{name} {value!r} is unknown{did_you_mean(str(value), known)}")
