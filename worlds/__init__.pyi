@@ -1,0 +1,25 @@
+from .faces import Faces
+from .loading import load
+from .materials import MATERIALS, Material
+from .rays import RayHits
+from .rooms import names
+from .truthgrid import FREE, HIDDEN, OCCUPIED, CellState, TruthGrid, truth
+from .world import Pose, Solid, World
+
+__all__ = [
+    "FREE",
+    "HIDDEN",
+    "MATERIALS",
+    "OCCUPIED",
+    "CellState",
+    "Faces",
+    "Material",
+    "Pose",
+    "RayHits",
+    "Solid",
+    "TruthGrid",
+    "World",
+    "load",
+    "names",
+    "truth",
+]

@@ -1,0 +1,85 @@
+"""`Material`: what a surface does to the sound of a 50 kHz sonar, with presets by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from sonarmap.errors import InputError, non_negative, within
+
+__all__ = ["MATERIALS", "Material"]
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """How a surface sends sound back.
+
+    Parameters
+    ----------
+    name : str
+        Name of the material.
+    critical_incidence_rad : float
+        Angle from the surface normal beyond which sound is mirrored away and no longer
+        returns to the sonar, radians, in (0, pi/2].
+    reflectivity : float
+        Share of the amplitude that is not absorbed, in [0, 1].
+    roughness_m : float
+        Height of the surface's irregularities in metres, >= 0. By Rayleigh's criterion a
+        surface is a mirror below an eighth of the wavelength: 0.87 mm at 49.4 kHz.
+    """
+
+    name: str
+    critical_incidence_rad: float
+    reflectivity: float
+    roughness_m: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.critical_incidence_rad <= math.pi / 2:
+            raise InputError(
+                f"critical_incidence_rad must be within (0, pi/2], "
+                f"got {self.critical_incidence_rad!r}"
+            )
+        within("reflectivity", self.reflectivity, 0.0, 1.0)
+        non_negative("roughness_m", self.roughness_m)
+
+
+def _preset(
+    name: str, *, critical_deg: float, loss_db: float, roughness_mm: float
+) -> tuple[str, Material]:
+    reflectivity = 10 ** (-loss_db / 20)  # a loss in dB is 20 log10 of the amplitude's share
+    material = Material(name, math.radians(critical_deg), reflectivity, roughness_mm / 1000)
+    return name, material
+
+
+# No table of materials at 50 kHz is known that could be quoted whole. The critical angles and
+# losses are the middle of the ranges that simulators and papers use as fixed presets; they are
+# hypotheses until calibrated, since the angle also depends on the beam and the receiver's gain
+# (Cao and Borenstein 2002 saw a wall up to 42 degrees with side lobes). Every roughness is
+# assumed; what matters is its side of Rayleigh's 0.87 mm.
+MATERIALS: Mapping[str, Material] = MappingProxyType(
+    dict(
+        [
+            # Mirrors: 15-22 degrees, 0-0.5 dB. Webots cuts every surface at 22.5 degrees.
+            _preset("glass", critical_deg=18, loss_db=0.2, roughness_mm=0.01),
+            _preset("metal", critical_deg=18, loss_db=0.2, roughness_mm=0.01),
+            _preset("whiteboard", critical_deg=19, loss_db=0.4, roughness_mm=0.02),
+            # Smooth building materials: 18-25 degrees, 0.5-1 dB.
+            _preset("drywall", critical_deg=22, loss_db=0.75, roughness_mm=0.1),
+            _preset("wood", critical_deg=22, loss_db=0.75, roughness_mm=0.15),
+            # Boards: 20-30 degrees, 1-2 dB; a poster's white card stands at the smooth end.
+            _preset("smooth-cardboard", critical_deg=20, loss_db=1.0, roughness_mm=0.05),
+            _preset("cardboard", critical_deg=25, loss_db=1.5, roughness_mm=0.3),
+            # Rough walls: 45-65 degrees, 1-2 dB; joints and stipple exceed 0.87 mm.
+            _preset("plaster", critical_deg=50, loss_db=1.5, roughness_mm=2.0),
+            _preset("brick", critical_deg=55, loss_db=1.5, roughness_mm=3.0),
+            # Scatterers: 60-75 degrees, 3-6 dB.
+            _preset("carpet", critical_deg=65, loss_db=5.0, roughness_mm=5.0),
+            _preset("books", critical_deg=70, loss_db=4.0, roughness_mm=10.0),
+            # Absorbers: 10-20 dB, often missed beyond 1-2 m; their angles are assumed.
+            _preset("curtain", critical_deg=45, loss_db=12.0, roughness_mm=5.0),
+            _preset("foam", critical_deg=45, loss_db=16.0, roughness_mm=2.0),
+        ]
+    )
+)

@@ -1,0 +1,187 @@
+"""`truth`: what a perfect map of a known room would say, cell by cell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonarmap.errors import InputError
+from sonarmap.files import atomic_path
+from sonarmap.grid import GridSpec
+from worlds.faces import Faces
+from worlds.raster import INSET_M, touched_cells
+from worlds.world import World
+
+if TYPE_CHECKING:
+    from sonarmap.log import SonarLog
+
+__all__ = ["FREE", "HIDDEN", "OCCUPIED", "CellState", "TruthGrid", "truth"]
+
+
+class CellState(IntEnum):
+    """What is true of a cell."""
+
+    FREE = 0
+    """Nothing stands in it, and the robot's start is connected to it."""
+    OCCUPIED = 1
+    """A solid covers a part of it, and a free cell is beside it: a surface a sonar can meet."""
+    HIDDEN = 2
+    """Anything else, the inside of solids and the world outside: no sonar can tell."""
+
+
+FREE, OCCUPIED, HIDDEN = CellState.FREE, CellState.OCCUPIED, CellState.HIDDEN
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TruthGrid:
+    """The truth about the cells of a grid.
+
+    Parameters
+    ----------
+    grid : GridSpec
+        Geometry of the cells.
+    state : ndarray of uint8, shape (rows, cols)
+        A `CellState` each.
+    faces : Faces
+        The surfaces of the world, for lines of sight.
+    """
+
+    grid: GridSpec
+    state: NDArray[np.uint8]
+    faces: Faces
+
+    def __post_init__(self) -> None:
+        self.state.flags.writeable = False
+
+    def observable(self, log: SonarLog) -> NDArray[np.bool_]:
+        """Return which cells the sonars of a log could have observed from their true poses.
+
+        A cell counts when a part of it lies in a sonar's cone within the maximum range and in
+        line of sight, the first surface included. HIDDEN cells never count, for there is
+        nothing to be right or wrong about.
+
+        Parameters
+        ----------
+        log : SonarLog
+            A log with truth. Only the true poses and the ring are used, not the readings.
+
+        Returns
+        -------
+        ndarray of bool, shape (rows, cols)
+
+        Raises
+        ------
+        InputError
+            If the log has no truth.
+        """
+        cones = _cones(log)
+        from worlds.visibility import mark_visible  # numba is heavy: loaded when rays are cast
+
+        ring, cell_m = log.ring, self.grid.resolution_m
+        x_m, y_m = self.grid.origin_xy_m
+        # Neighbouring rays are at most one cell apart at the end, so that they meet every cell.
+        step_rad = cell_m / ring.range_max_m
+        seen = np.zeros(self.grid.shape, dtype=bool)
+        mark_visible(
+            seen,
+            (cones - (x_m, y_m, 0.0)) / (cell_m, cell_m, 1.0),
+            ring.half_angle_rad,
+            math.ceil(2 * ring.half_angle_rad / step_rad) + 1,
+            ring.range_max_m / cell_m,
+            # One inset would end on the border of the cells that a solid only just touches.
+            2 * INSET_M / cell_m,
+            (self.faces.segments_m - (x_m, y_m, x_m, y_m)) / cell_m,
+            (self.faces.circles_m - (x_m, y_m, 0.0)) / cell_m,
+        )
+        seen &= self.state != HIDDEN
+        return seen
+
+    def save(self, folder: str | Path) -> Path:
+        """Write ``truth.npz`` (state, resolution_m, origin_xy_m) into `folder`; return its path."""
+        target = Path(folder) / "truth.npz"
+        with atomic_path(target) as beside:
+            np.savez_compressed(
+                beside,
+                state=self.state,
+                resolution_m=self.grid.resolution_m,
+                origin_xy_m=np.array(self.grid.origin_xy_m),
+            )
+        return target
+
+
+def truth(world: World, grid: GridSpec | None = None, *, resolution_m: float = 0.05) -> TruthGrid:
+    """Return the truth about the cells of a grid.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    grid : GridSpec, optional
+        The cells. None: the smallest grid of `resolution_m` cells over the world's bounds.
+    resolution_m : float
+        Side of a cell in metres when no grid is given.
+
+    Raises
+    ------
+    InputError
+        If the robot's start is not a free cell of the grid: it lies outside, or the cells are
+        so coarse that a solid shares its cell.
+    """
+    if grid is None:
+        grid = GridSpec.covering(*world.bounds_m, resolution_m)
+    touched = np.zeros(grid.shape, dtype=bool)
+    for solid in world.solids:
+        touched[touched_cells(solid, grid)] = True
+    free = _connected(~touched, world, grid)
+    state = np.full(grid.shape, HIDDEN, dtype=np.uint8)
+    state[touched & _beside(free)] = OCCUPIED
+    state[free] = FREE
+    return TruthGrid(grid, state, world.faces)
+
+
+def _connected(untouched: NDArray[np.bool_], world: World, grid: GridSpec) -> NDArray[np.bool_]:
+    row, col = (int(index) for index in grid.cell_of(world.start.x_m, world.start.y_m))
+    place = f"the start [{world.start.x_m:g}, {world.start.y_m:g}] of {world.name!r}"
+    if not grid.contains(row, col):
+        raise InputError(f"grid must hold {place}, got extent_m {grid.extent_m}")
+    if not untouched[row, col]:
+        raise InputError(f"resolution_m must leave {place} a free cell, got {grid.resolution_m:g}")
+    from worlds.flood import flood  # numba is heavy: loaded when a truth is made
+
+    free: NDArray[np.bool_] = flood(untouched, row, col)
+    return free
+
+
+def _beside(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which cells have one of `cells` among their eight neighbours or are one."""
+    rows, cols = cells.shape
+    padded = np.pad(cells, 1)
+    beside = np.zeros_like(cells)
+    for down in range(3):
+        for right in range(3):
+            beside |= padded[down : down + rows, right : right + cols]
+    return beside
+
+
+def _cones(log: SonarLog) -> NDArray[np.float64]:
+    """Return (x_m, y_m, axis_rad) of every distinct firing at its true pose, shape (n, 3)."""
+    if log.truth is None:
+        raise InputError("log has no truth: observable cells need the true poses")
+    firings = np.column_stack([log.truth.x_m, log.truth.y_m, log.truth.heading_rad, log.sonar])
+    x_m, y_m, heading_rad, sonar = np.unique(firings, axis=0).T
+    mount = sonar.astype(int)
+    ahead, left = log.ring.x_m[mount], log.ring.y_m[mount]
+    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+    return np.column_stack(
+        [
+            x_m + cos * ahead - sin * left,
+            y_m + sin * ahead + cos * left,
+            heading_rad + log.ring.heading_rad[mount],
+        ]
+    )

@@ -1,0 +1,152 @@
+"""`World`: a known room as a value, closed under quarter turns and mirroring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from worlds.faces import Faces
+from worlds.materials import Material
+
+__all__ = ["Pose", "Solid", "World"]
+
+_QUARTER_TURN = ((0, -1), (1, 0))
+_MIRROR = ((1, 0), (0, -1))
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """A place and a heading, counter-clockwise from the x axis."""
+
+    x_m: float
+    y_m: float
+    heading_rad: float
+
+
+@dataclass(frozen=True, slots=True)
+class Solid:
+    """A thing that stands in a room and sends sound back.
+
+    Parameters
+    ----------
+    name : str
+        Name of its surface, unique in the world.
+    material : Material
+        What its surface does to sound.
+    height_m : float
+        Height above the floor, metres.
+    outline : shapely.Polygon
+        Its shape seen from above. A pillar's is a polygon inscribed in its circle.
+    circle : tuple of float, optional
+        (x, y, radius) of a pillar in metres, exact; None for everything else.
+    """
+
+    name: str
+    material: Material
+    height_m: float
+    outline: Polygon
+    circle: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True)
+class World:
+    """A known room.
+
+    Parameters
+    ----------
+    name, title, source : str
+        Name of its file, a title for people, and where the room is described.
+    bounds_m : tuple of float
+        (x_min, y_min, x_max, y_max) of the part of the plane that matters.
+    start : Pose
+        Where the robot stands when a drive begins.
+    route_m : tuple of (x, y)
+        Way points that a driver may follow; may be empty.
+    solids : tuple of Solid
+        Walls, then boxes, then pillars, each in the order of the file.
+    notes : mapping of str to str
+        What is assumed of a number or where it comes from, by the number's place in the file,
+        such as ``wall[0].thickness_m``.
+    parameters : mapping of str to float
+        The values with which the room's formulas were computed.
+    """
+
+    name: str
+    title: str
+    source: str
+    bounds_m: tuple[float, float, float, float]
+    start: Pose
+    route_m: tuple[tuple[float, float], ...]
+    solids: tuple[Solid, ...]
+    notes: Mapping[str, str] = field(hash=False)
+    parameters: Mapping[str, float] = field(hash=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "notes", MappingProxyType(dict(self.notes)))
+        object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A mapping proxy does not pickle, and a world must reach the processes of a parallel run.
+        fields = (self.name, self.title, self.source, self.bounds_m, self.start, self.route_m)
+        return World, (*fields, self.solids, dict(self.notes), dict(self.parameters))
+
+    @cached_property
+    def faces(self) -> Faces:
+        """The surfaces that sound can meet, ready for casting rays."""
+        return Faces.of((solid.outline, solid.circle, solid.name) for solid in self.solids)
+
+    @cached_property
+    def critical_incidence_rad(self) -> NDArray[np.float64]:
+        """Critical incidence angle of each solid's material, radians, shape (solids,)."""
+        return np.array([solid.material.critical_incidence_rad for solid in self.solids])
+
+    @cached_property
+    def reflectivity(self) -> NDArray[np.float64]:
+        """Reflectivity of each solid's material, shape (solids,)."""
+        return np.array([solid.material.reflectivity for solid in self.solids])
+
+    def transformed(self, *, quarter_turns: int) -> World:
+        """Return the world turned about the origin, counter-clockwise by right angles.
+
+        Coordinates are only swapped and negated, so nothing is lost to rounding.
+        """
+        turns = quarter_turns % 4
+        matrix = np.linalg.matrix_power(np.array(_QUARTER_TURN), turns)
+        turned = math.remainder(self.start.heading_rad + turns * math.pi / 2, math.tau)
+        return self._placed(matrix, heading_rad=turned)
+
+    def mirrored(self) -> World:
+        """Return the world mirrored at the x axis: y becomes -y, left becomes right."""
+        return self._placed(np.array(_MIRROR), heading_rad=-self.start.heading_rad)
+
+    def _placed(self, matrix: NDArray[np.int64], *, heading_rad: float) -> World:
+        def moved(x_m: float, y_m: float) -> tuple[float, float]:
+            x, y = (matrix @ (x_m, y_m)).tolist()
+            return x, y
+
+        def moved_solid(solid: Solid) -> Solid:
+            outline = shapely.transform(solid.outline, lambda xy: xy @ matrix.T)
+            circle = None
+            if solid.circle is not None:
+                circle = (*moved(*solid.circle[:2]), solid.circle[2])
+            return replace(solid, outline=outline, circle=circle)
+
+        corners = np.array([moved(*self.bounds_m[:2]), moved(*self.bounds_m[2:])])
+        x_min, y_min = corners.min(axis=0).tolist()
+        x_max, y_max = corners.max(axis=0).tolist()
+        return replace(
+            self,
+            bounds_m=(x_min, y_min, x_max, y_max),
+            start=Pose(*moved(self.start.x_m, self.start.y_m), heading_rad),
+            route_m=tuple(moved(*point) for point in self.route_m),
+            solids=tuple(moved_solid(solid) for solid in self.solids),
+        )
