@@ -14,6 +14,7 @@ from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
 from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
+from sonarbed.commands.thesis import thesis
 from sonarbed.commands.worlds import worlds
 from sonarmap.errors import InputError
 
@@ -36,6 +37,7 @@ app.command()(simulate)
 app.command("import")(import_)
 app.command("map")(map_)
 app.command()(score)
+app.command()(thesis)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

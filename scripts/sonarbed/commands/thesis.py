@@ -1,0 +1,65 @@
+"""`sonarbed thesis`: every table and figure of the thesis that data can make."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["thesis"]
+
+
+def thesis(
+    out: Annotated[Path, typer.Option(help="The folder of the report.")] = Path("thesis"),
+    study: Annotated[
+        list[str] | None,
+        typer.Option(help="Run only this study, such as wall_sizes; repeatable."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Fewer seeds, shorter drives: under 3 minutes.")
+    ] = False,
+    again: Annotated[
+        bool, typer.Option("--again", help="Run studies again that are done already.")
+    ] = False,
+    sonar: Annotated[str, typer.Option(help="Preset of the simulated sonar.")] = "thesis",
+    jobs: Annotated[int, typer.Option(help="Processes that work at once.")] = 2,
+) -> None:
+    """Make the thesis again from simulated drives, each claim tested against the truth.
+
+    Studies that are done are kept: after an interruption the same command goes on.
+
+    Example: sonarbed thesis --quick --out report
+    """
+    from sonarbed.console import progress, say
+    from sonarbed.report import write_report
+    from sonarbed.studies import STUDIES, load
+    from sonarbed.studies.section import Section
+    from sonarbed.studies.setting import Setting
+    from sonarmap.errors import InputError
+
+    if jobs < 1:
+        raise InputError(f"--jobs must be >= 1, got {jobs}")
+    wanted = list(study or STUDIES)
+    runs = {name: load(name) for name in wanted}
+    with progress() as bars:
+        overall = bars.add_task("studies", total=len(runs))
+        current = bars.add_task("", total=1)
+        setting = Setting(
+            out,
+            quick=quick,
+            sonar=sonar,
+            jobs=jobs,
+            on_progress=lambda label, done, total: bars.update(
+                current, description=label, completed=done, total=total
+            ),
+        )
+        setting.claim()
+        for name, run in runs.items():
+            at_work = setting.on_study(name)
+            if again or Section.load(at_work.place) is None:
+                run(at_work).save(at_work.place)
+            bars.advance(overall)
+        done = [Section.load(setting.on_study(name).place) for name in STUDIES]
+        html, markdown = write_report(setting, [section for section in done if section])
+    say(f"Report: {html}, {markdown}")

@@ -1,0 +1,190 @@
+"""The setting of a report: where it goes, how much is done, and the logs that studies share."""
+
+from __future__ import annotations
+
+import csv
+import json
+import multiprocessing
+import signal
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+from matplotlib.figure import Figure
+
+import sonarmap as sm
+import worlds
+from sonarmap.errors import InputError
+from sonarmap.files import atomic_path, make_folder
+
+__all__ = ["Setting", "quiet_worker"]
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+# Raised when a study's files change their meaning: older folders are then refused, not mixed.
+FORMAT_VERSION = 1
+_FILE = "setting.json"
+_DPI = 110
+
+
+def _no_progress(label: str, done: int, total: int) -> None:
+    """Report nothing."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How a report is made.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it goes: a folder a study, and ``logs``.
+    quick : bool
+        Fewer seeds, shorter drives and coarser sweeps, to look at before the full run.
+    sonar : str
+        Preset of the simulated sonar.
+    jobs : int
+        Processes that work at once.
+    on_progress : callable
+        Called with a label, how much is done, and how much there is.
+    study : str
+        The study that is running; its files go into its own folder.
+    """
+
+    folder: Path
+    quick: bool = False
+    sonar: str = "thesis"
+    jobs: int = 2
+    on_progress: Callable[[str, int, int], None] = field(default=_no_progress, compare=False)
+    study: str = ""
+
+    @property
+    def seeds(self) -> range:
+        """Seeds of every number that depends on chance: ten, or three in a quick run."""
+        return range(3 if self.quick else 10)
+
+    @property
+    def scans(self) -> int:
+        """Length of a drive in scans of all sonars."""
+        return 200 if self.quick else 500
+
+    @property
+    def place(self) -> Path:
+        """Folder of the study that is running."""
+        return self.folder / self.study
+
+    def on_study(self, name: str) -> Setting:
+        """Return this setting at work on a study."""
+        return replace(self, study=name)
+
+    def claim(self) -> None:
+        """Make the folder this setting's own, or raise `InputError` if it is another's."""
+        make_folder(self.folder)
+        mine = {
+            "format": FORMAT_VERSION,
+            "sonarbed": version("sonarbed"),
+            "quick": self.quick,
+            "sonar": self.sonar,
+        }
+        file = self.folder / _FILE
+        if not file.exists():
+            with atomic_path(file) as path:
+                path.write_text(json.dumps(mine, indent=2) + "\n", encoding="utf-8")
+            return
+        try:
+            found = json.loads(file.read_text(encoding="utf-8"))
+        except ValueError:
+            raise InputError(f"{file}: is not the setting of a report") from None
+        for name, value in mine.items():
+            if found.get(name) != value:
+                raise InputError(
+                    f"{self.folder}: holds a report with {name} {found.get(name)!r}, asked for "
+                    f"{value!r}: choose another folder"
+                )
+
+    def logs(
+        self,
+        room: str,
+        *,
+        driver: str = "thesis",
+        scans: int | None = None,
+        seeds: Iterable[int] | None = None,
+    ) -> list[sm.SonarLog]:
+        """Return the logs of a room, one a seed, simulated once and kept in ``logs``."""
+        wanted = scans or self.scans
+        tasks = [
+            (str(self.folder / "logs"), room, driver, self.sonar, wanted, seed)
+            for seed in (self.seeds if seeds is None else seeds)
+        ]
+        return [sm.read_log(path) for path in self.map(_simulated, tasks, f"driving in {room}")]
+
+    def map(
+        self, function: Callable[[Task], Result], tasks: Sequence[Task], label: str
+    ) -> list[Result]:
+        """Return ``[function(task) for task in tasks]``, computed by `jobs` processes.
+
+        `function` and the tasks must pickle. Results come in the order of the tasks, so that
+        nothing depends on which process was quicker.
+        """
+        results: dict[int, Result] = {}
+        self.on_progress(label, 0, len(tasks))
+        if self.jobs == 1 or len(tasks) == 1:
+            for index, task in enumerate(tasks):
+                results[index] = function(task)
+                self.on_progress(label, index + 1, len(tasks))
+        else:
+            context = multiprocessing.get_context("spawn")
+            with ProcessPoolExecutor(
+                min(self.jobs, len(tasks)), mp_context=context, initializer=quiet_worker
+            ) as pool:
+                futures = {pool.submit(function, task): i for i, task in enumerate(tasks)}
+                try:
+                    for future in as_completed(futures):
+                        results[futures[future]] = future.result()
+                        self.on_progress(label, len(results), len(tasks))
+                except BaseException:
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    raise
+        return [results[index] for index in range(len(tasks))]
+
+    def figure(self, name: str, figure: Figure, caption: str) -> tuple[str, str]:
+        """Save a figure as ``NAME.png`` in the study's folder; return (file, caption)."""
+        file = f"{name}.png"
+        with atomic_path(self.place / file) as path:
+            figure.savefig(path, dpi=_DPI)
+        return file, caption
+
+    def table(
+        self, name: str, header: Sequence[str], rows: Iterable[Sequence[Any]], caption: str
+    ) -> tuple[str, str]:
+        """Save a table as ``NAME.csv`` in the study's folder; return (file, caption)."""
+        file = f"{name}.csv"
+        with (
+            atomic_path(self.place / file) as path,
+            path.open("w", newline="", encoding="utf-8") as stream,
+        ):
+            writer = csv.writer(stream)
+            writer.writerow(header)
+            writer.writerows(rows)
+        return file, caption
+
+
+def quiet_worker() -> None:
+    """Leave Ctrl-C to the parent process, which stops its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _simulated(task: tuple[str, str, str, str, int, int]) -> Path:
+    """Return the file of a drive, made if it is not there yet."""
+    folder, room, driver, sonar, scans, seed = task
+    path = Path(folder) / f"{room}-{driver}-{sonar}-{scans}-{seed:04d}.parquet"
+    if not path.exists():
+        import sim  # the simulator: loaded only when a drive is missing
+
+        log = sim.simulate(worlds.load(room), scans=scans, seed=seed, driver=driver, sonar=sonar)
+        log.write(path)
+    return path
