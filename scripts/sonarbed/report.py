@@ -38,6 +38,7 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
     )
     environment.globals["picture"] = lambda section, file: _data_url(_file(setting, section, file))
     environment.globals["rows"] = lambda section, file: _rows(_file(setting, section, file))
+    environment.filters["cells"] = _markdown_cells
     environment.globals["most_rows"] = _MOST_ROWS
     context = {
         "setting": setting,
@@ -70,3 +71,8 @@ def _data_url(file: Path) -> str:
 def _rows(file: Path) -> list[list[str]]:
     with file.open(newline="", encoding="utf-8") as stream:
         return list(csv.reader(stream))
+
+
+def _markdown_cells(texts: Sequence[str]) -> str:
+    """Return texts as the cells of a row; a bar within one would begin the next."""
+    return " | ".join(text.replace("|", "\\|") for text in texts)
