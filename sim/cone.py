@@ -44,7 +44,8 @@ class ConeSonar:
     max_bounces : int
         How many mirroring surfaces a sound is followed over, >= 0; then it is lost.
     noise_std_m : float
-        Standard deviation of the range noise, metres.
+        Standard deviation of the range noise, metres; the roughness of the surface that sends
+        the echo adds to it as an independent error.
     quantum_m : float
         Readings are whole multiples of it, metres; 0 for none.
     threshold : float
@@ -126,7 +127,7 @@ class ConeSonar:
 
         axis_range_m, cone_range_m = met_m[:, self.rays // 2], met_m.min(axis=1)
         return Echoes(
-            range_m=self._measured(heard_m, rng),
+            range_m=self._measured(heard_m, world.roughness_m[surface], rng),
             axis_range_m=axis_range_m,
             cone_range_m=cone_range_m,
             cause=cause_of(heard_m, bounces, axis_range_m, cone_range_m),
@@ -140,10 +141,14 @@ class ConeSonar:
         return np.linspace(-self.ring.half_angle_rad, self.ring.half_angle_rad, self.rays)
 
     def _measured(
-        self, heard_m: NDArray[np.float64], rng: np.random.Generator
+        self,
+        heard_m: NDArray[np.float64],
+        roughness_m: NDArray[np.float64],
+        rng: np.random.Generator,
     ) -> NDArray[np.float64]:
-        noise_m = rng.normal(0.0, 1.0, heard_m.size) * self.noise_std_m
-        reading = heard_m + noise_m
+        reading = heard_m + rng.normal(0.0, 1.0, heard_m.size) * np.hypot(
+            self.noise_std_m, roughness_m
+        )
         if self.quantum_m > 0:
             reading = np.round(reading / self.quantum_m) * self.quantum_m
         # Noise alone must not turn an echo at the very end of the range into silence.

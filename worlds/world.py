@@ -114,6 +114,11 @@ class World:
         """Reflectivity of each solid's material, shape (solids,)."""
         return np.array([solid.material.reflectivity for solid in self.solids])
 
+    @cached_property
+    def roughness_m(self) -> NDArray[np.float64]:
+        """Roughness of each solid's material, metres, shape (solids,)."""
+        return np.array([solid.material.roughness_m for solid in self.solids])
+
     def transformed(self, *, quarter_turns: int) -> World:
         """Return the world turned about the origin, counter-clockwise by right angles.
 

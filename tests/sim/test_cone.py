@@ -149,6 +149,14 @@ def test_noise_has_its_standard_deviation_and_sensors_differ(rng):
     assert np.abs(np.corrcoef(errors.T) - np.eye(8)).max() < 0.12
 
 
+def test_rough_surface_adds_its_roughness_to_the_noise(rng):
+    coarse = Material("coarse", math.pi / 2, 1.0, 0.012)
+    room = world(box("wall", 1.0, -2, 1.1, 2, coarse))
+    sonar = SHARP.replace(noise_std_m=0.005)
+    readings = np.array([listen(room, sonar=sonar, rng=rng).range_m[0] for _ in range(2000)])
+    assert readings.std() == pytest.approx(0.013, rel=0.06)  # 5, 12, 13
+
+
 def test_noise_drawn_does_not_depend_on_what_is_heard():
     one, other = np.random.default_rng(5), np.random.default_rng(5)
     listen(world(box("wall", 1.0, -2, 1.1, 2)), rng=one)
