@@ -125,9 +125,11 @@ class ConeSonar:
                 break
         heard_m[surface < 0] = np.inf
 
+        # Surface -1, nothing heard, takes the last entry.
+        roughness_m = np.append(world.roughness_m, 0.0)[surface]
         axis_range_m, cone_range_m = met_m[:, self.rays // 2], met_m.min(axis=1)
         return Echoes(
-            range_m=self._measured(heard_m, world.roughness_m[surface], rng),
+            range_m=self._measured(heard_m, roughness_m, rng),
             axis_range_m=axis_range_m,
             cone_range_m=cone_range_m,
             cause=cause_of(heard_m, bounces, axis_range_m, cone_range_m),

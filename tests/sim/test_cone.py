@@ -71,6 +71,10 @@ def test_nothing_in_range_is_out_of_range():
     assert heard(world(box("wall", 3.01, -2, 3.1, 2))) == (math.inf, Cause.OUT_OF_RANGE)
 
 
+def test_empty_world_is_out_of_range():
+    assert heard(world()) == (math.inf, Cause.OUT_OF_RANGE)
+
+
 def test_wall_at_exactly_the_maximum_range_is_heard():
     reading, cause = heard(world(box("wall", 3.0, -0.01, 3.1, 0.01)))
     assert reading == pytest.approx(3.0)
