@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import json
 import multiprocessing
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing.synchronize import Event
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from sim.simulation import simulate
-from sonarmap import Cause, InputError
+from sonarmap import Cause, InputError, SonarLog
 from sonarmap.files import atomic_path, make_folder
 from worlds import World
 
-__all__ = ["MANIFEST", "simulate_many"]
+__all__ = ["MANIFEST", "log_entry", "simulate_many"]
 
 MANIFEST = "manifest.json"
 
@@ -45,56 +50,114 @@ def simulate_many(
     on_done : callable, optional
         Called with each seed whose log is written, for a progress bar.
     **arguments
-        The other arguments of `simulate`.
+        The other arguments of `simulate`, but `on_scan`.
 
     Returns
     -------
     dict
-        ``world``, ``arguments`` and for each log its seed, file, readings and causes.
+        ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each its seed, file,
+        readings and causes.
     """
     if jobs < 1:
         raise InputError(f"jobs must be >= 1, got {jobs!r}")
     if len(set(seeds)) != len(seeds) or not seeds:
         raise InputError(f"seeds must be at least one and none twice, got {list(seeds)!r}")
     folder = make_folder(folder)
-    entries = []
     # Fresh processes: a forked one would share the engine's and the compiler's threads.
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(seeds)), mp_context=context) as pool:
-        futures = [pool.submit(_simulate_one, world, folder, seed, arguments) for seed in seeds]
-        try:
-            for future in as_completed(futures):
-                entries.append(future.result())
-                if on_done is not None:
-                    on_done(entries[-1]["seed"])
-        except BaseException:
-            # On Ctrl-C or a failure what has not begun never begins.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    manifest = {
-        "world": world.name,
-        "world_parameters": dict(world.parameters),
-        "arguments": {name: _told(value) for name, value in arguments.items()},
-        "logs": sorted(entries, key=lambda entry: entry["seed"]),
-    }
-    with atomic_path(folder / MANIFEST) as path:
-        path.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+    stop = context.Event()
+    futures: list[Future[dict[str, Any]]] = []
+    try:
+        with ProcessPoolExecutor(min(jobs, len(seeds)), context, _begin, (stop,)) as pool:
+            try:
+                with _ignoring_interrupts():
+                    for seed in seeds:
+                        futures.append(pool.submit(_simulate_one, world, folder, seed, arguments))
+                for future in as_completed(futures):
+                    done = future.result()
+                    if on_done is not None:
+                        on_done(done["seed"])
+            except BaseException:
+                # On Ctrl-C or a failure what has begun stops, and the rest never begins.
+                stop.set()
+                pool.shutdown(cancel_futures=True)
+                raise
+    except BrokenProcessPool:
+        raise InputError("a process was killed (out of memory?): give it fewer jobs") from None
+    finally:
+        # Also after an interruption: the manifest tells of the logs that are there.
+        manifest = {
+            "world": world.name,
+            "world_parameters": dict(world.parameters),
+            "arguments": {name: _told(value) for name, value in arguments.items()},
+            "logs": sorted(
+                (future.result() for future in futures if _succeeded(future)),
+                key=lambda entry: entry["seed"],
+            ),
+        }
+        if manifest["logs"]:
+            with atomic_path(folder / MANIFEST) as path:
+                path.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
     return manifest
+
+
+def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
+    """Return what a manifest tells of a simulated log: seed, file, readings and causes."""
+    causes = np.bincount(log.require_truth("the manifest").cause, minlength=len(Cause))
+    return {
+        "seed": seed,
+        "file": file,
+        "readings": len(log),
+        "causes": {cause.name: int(causes[cause]) for cause in Cause},
+    }
+
+
+# Set in a worker process: the parent's signal to stop.
+_stop: Event | None = None
+
+
+def _begin(stop: Event) -> None:
+    global _stop
+    _stop = stop
+
+
+class _Stopped(Exception):  # noqa: N818 - nobody sees it: its future is dropped
+    """The parent does not want this drive any more."""
+
+
+def _stop_if_told(scan: int) -> None:
+    if _stop is not None and _stop.is_set():
+        raise _Stopped
+
+
+@contextmanager
+def _ignoring_interrupts() -> Iterator[None]:
+    """Let processes that begin in the block ignore Ctrl-C, from their first line on.
+
+    A terminal sends it to all of them; it is for the parent, who tells them to stop. They inherit
+    what the parent does with the signal, so it ignores it itself for these milliseconds.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may say what happens on a signal
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _succeeded(future: Future[dict[str, Any]]) -> bool:
+    return future.done() and not future.cancelled() and future.exception() is None
 
 
 def _simulate_one(
     world: World, folder: Path, seed: int, arguments: Mapping[str, Any]
 ) -> dict[str, Any]:
-    log = simulate(world, seed=seed, **arguments)
+    log = simulate(world, seed=seed, on_scan=_stop_if_told, **arguments)
     name = f"seed-{seed:04d}.parquet"
     log.write(folder / name)
-    causes = np.bincount(log.require_truth("the manifest").cause, minlength=len(Cause))
-    return {
-        "seed": seed,
-        "file": name,
-        "readings": len(log),
-        "causes": {cause.name: int(causes[cause]) for cause in Cause},
-    }
+    return log_entry(log, seed, name)
 
 
 def _told(value: Any) -> Any:

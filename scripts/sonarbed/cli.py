@@ -16,7 +16,6 @@ from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
 from sonarbed.commands.worlds import worlds
-from sonarmap.errors import InputError
 
 __all__ = ["app", "main"]
 
@@ -30,6 +29,8 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
+    # An error of ours ends in Python's own traceback, which can be copied into a report.
+    pretty_exceptions_enable=False,
 )
 app.command()(demo)
 app.command()(worlds)
@@ -45,22 +46,46 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         code = app(arguments, prog_name="sonarbed", standalone_mode=False)
+        # Now, not when Python ends: a full disk or a closed pipe is found out here.
+        sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):
         return _fail("interrupted; what was finished is kept", INTERRUPTED)
     except TyperException as error:
-        # With no arguments the help was asked for, and has been printed.
         message = error.format_message()
-        return _fail(f"{message} See 'sonarbed --help'.", BAD_INPUT) if message else BAD_INPUT
-    except InputError as error:
-        return _fail(str(error), BAD_INPUT)
-    except BrokenPipeError:
-        # The reader of our output went away, as `head` does: not an error of ours.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # With no arguments the help was asked for, and has been printed.
+        return _fail(f"{message.rstrip('.')}; {_where_help_is(error)}") if message else BAD_INPUT
+    except (BrokenPipeError, SystemExit):
+        # The reader of our output went away, as `head` does: not an error of ours. Typer has its
+        # own exit for that.
+        _drop_output()
         return 0
+    except OSError as error:
+        _drop_output()
+        return _fail(f"{error.filename or 'output'}: {error.strerror or error}")
+    except ValueError as error:
+        # Imported late: it loads numpy, and help must be quick.
+        from sonarmap.errors import InputError
+
+        if not isinstance(error, InputError):
+            raise
+        return _fail(str(error))
     return code if isinstance(code, int) else 0
 
 
-def _fail(message: str, code: int) -> int:
+def _fail(message: str, code: int = BAD_INPUT) -> int:
     one_line = " ".join(message.split())
     sys.stderr.write(f"sonarbed: {one_line}\n")
     return code
+
+
+def _where_help_is(error: TyperException) -> str:
+    context = getattr(error, "ctx", None)
+    return f"see '{context.command_path if context else 'sonarbed'} --help'"
+
+
+def _drop_output() -> None:
+    """Send what is still waiting to be printed nowhere, or Python complains when it ends."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

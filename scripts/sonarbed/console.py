@@ -3,48 +3,75 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-__all__ = ["print_json", "print_table", "progress", "say"]
+__all__ = ["as_json", "print_json", "print_table", "progress", "say", "score_rows"]
+
+# A file or a pipe has no width: tables in it are as wide as they like, up to this.
+_PIPE_WIDTH = 200
 
 
 def say(message: str) -> None:
     """Print a line for people on standard output."""
-    Console(highlight=False, soft_wrap=True).print(message, markup=False)
+    print(message)
+
+
+def as_json(value: Any) -> str:
+    """Return a value as JSON text that ends with a new line."""
+    return json.dumps(value, indent=2, sort_keys=True, allow_nan=False) + "\n"
 
 
 def print_json(value: Any) -> None:
     """Print a value as JSON on standard output, for programs."""
-    print(json.dumps(value, indent=2, sort_keys=True, allow_nan=False))
+    print(as_json(value), end="")
 
 
 def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Print a table; every column but the first is aligned to the right."""
-    table = Table(title=title, title_justify="left")
-    for index, name in enumerate(header):
-        table.add_column(name, justify="left" if index == 0 else "right")
+    """Print a table; a column of numbers, with or without units, is aligned to the right."""
+    table = Table()
+    for name, *cells in zip(header, *rows, strict=True):
+        numbers = all(cell == "-" or cell.lstrip("-")[:1].isdigit() for cell in cells)
+        table.add_column(name, justify="right" if numbers else "left", overflow="fold")
     for row in rows:
-        table.add_row(*row)
-    Console(highlight=False).print(table)
+        table.add_row(*(escape(cell) for cell in row))
+    say(title)
+    _Console(highlight=False).print(table)
+
+
+class _Console(Console):
+    """Standard output that wraps at the width of a terminal, and leaves errors to `main`."""
+
+    @property
+    def width(self) -> int:
+        """Columns of the terminal, or of nothing."""
+        known = self.is_terminal or "COLUMNS" in os.environ
+        return super().width if known else _PIPE_WIDTH
+
+    def on_broken_pipe(self) -> None:
+        """Pass on the error that is being handled; Rich would end the program itself."""
+        raise
 
 
 @contextmanager
-def progress(*, shown: bool = True) -> Iterator[Progress]:
+def progress() -> Iterator[Progress]:
     """Show progress bars on standard error while the block runs, if that is a terminal."""
+    console = Console(stderr=True)
     bars = Progress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
+        console=console,
         transient=True,
-        disable=not shown,
+        disable=not console.is_terminal,
     )
     with bars:
         yield bars

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
@@ -13,43 +12,50 @@ __all__ = ["demo"]
 
 def demo(
     out: Annotated[Path, typer.Option(help="The folder to write.")] = Path("demo"),
-    room: Annotated[str, typer.Option(help="The room to drive in.")] = "thesis-exp1",
+    world: Annotated[str, typer.Option(help="The room to drive in, or its file.")] = "thesis-exp1",
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
 ) -> None:
-    """Simulate the thesis's first room, map it with both models, score the maps, picture all.
+    """Drive in a room, map it with both sensor models, score and picture the maps.
 
     Writes the log, the truth, both maps, scores.json and demo.png into one folder.
+
+    Example:
+
+      sonarbed demo --out demo
     """
     import sim
     import sonarmap as sm
     import worlds
-    from sonarbed.console import print_table, progress, say, score_rows
+    from sonarbed.console import as_json, print_table, progress, say, score_rows
     from sonarbed.pictures import draw_demo
     from sonarmap.files import atomic_path, make_folder
 
+    room = worlds.load(world)
     folder = make_folder(out)
-    world = worlds.load(room)
     with progress() as bars:
-        task = bars.add_task("driving, scans", total=scans)
-        log = sim.simulate(
-            world, scans=scans, seed=seed, on_scan=lambda scan: bars.update(task, advance=1)
-        )
-    log.write(folder / "log.parquet")
-    truth = worlds.truth(world)
-    truth.save(folder)
-    observable = truth.observable(log)
-    maps = {
-        "standard": sm.build_map(log, sm.StandardModel.thesis(), truth.grid),
-        "parameterized": sm.build_map(log, sm.ParameterizedModel.thesis(), truth.grid),
-    }
-    scores = {}
-    for name, built in maps.items():
-        built.save(folder / f"map-{name}")
-        scores[name] = sm.score_map(built, truth, observable=observable).to_dict()
-    with atomic_path(folder / "scores.json") as path:
-        path.write_text(json.dumps(scores, indent=2) + "\n", encoding="utf-8")
-    rows = score_rows(scores)
-    draw_demo(world, log, truth, observable, maps, rows, folder / "demo.png")
-    print_table(f"{room}, {scans} scans: maps against the truth", ["score", *maps], rows)
+        driving = bars.add_task("driving, scans", total=scans)
+        log = sim.simulate(room, scans=scans, seed=seed, on_scan=lambda scan: bars.advance(driving))
+        bars.add_task("mapping, scoring, drawing", total=None)
+        truth = worlds.truth(room)
+        observable = truth.observable(log)
+        maps = {
+            "standard": sm.build_map(log, sm.StandardModel.thesis(), truth.grid),
+            "parameterized": sm.build_map(log, sm.ParameterizedModel.thesis(), truth.grid),
+        }
+        scores = {
+            name: sm.score_map(built, truth, observable=observable).to_dict()
+            for name, built in maps.items()
+        }
+        rows = score_rows(scores)
+
+        # Written when all is computed: an interrupted demo does not mix with an older one.
+        log.write(folder / "log.parquet")
+        truth.save(folder)
+        for name, built in maps.items():
+            built.save(folder / f"map-{name}")
+        with atomic_path(folder / "scores.json") as path:
+            path.write_text(as_json(scores), encoding="utf-8")
+        draw_demo(room, log, truth, observable, maps, rows, folder / "demo.png")
+    print_table(f"{room.name}, {scans} scans: maps against the truth", ["score", *maps], rows)
     say(f"Written to {folder}/: log.parquet, truth.npz, map-*/, scores.json, demo.png")

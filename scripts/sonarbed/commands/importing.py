@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from sonarbed.options import Json
+from sonarbed.options import Json, check_writable
 
 __all__ = ["import_"]
 
@@ -23,8 +23,12 @@ def import_(
         ),
     ],
     ring: Annotated[
-        str, typer.Option(help="The robot's sonar ring, such as udacity8 or amigobot-aria.")
-    ],
+        str | None,
+        typer.Option(
+            help="The robot's sonars: amigobot, amigobot-aria, amigobot-h8, pioneer3dx or "
+            "udacity8; default the format's own, if it has one."
+        ),
+    ] = None,
     keep_stale: Annotated[
         bool,
         typer.Option(
@@ -33,17 +37,20 @@ def import_(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Read a real robot's log; repeats are marked and left out of maps.
+    r"""Read a real robot's log; repeats are marked and left out of maps.
 
-    Example: sonarbed import measurement.txt poses.txt --format udacity --ring udacity8
-    --out log.parquet
+    Example:
+
+      sonarbed import measurement.txt poses.txt \
+        --format udacity --ring udacity8 --out log.parquet
     """
     import numpy as np
 
     import sonarmap as sm
     from sonarbed.console import print_json, print_table
 
-    log = sm.import_log(files, format_, sm.ring(ring))
+    check_writable(out)
+    log = sm.import_log(files, format_, None if ring is None else sm.ring(ring))
     if not keep_stale:
         log = sm.mark_stale(log)
     log.write(out)

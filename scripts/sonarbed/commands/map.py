@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from sonarbed.options import Json, ModelName, make_model
+from sonarbed.options import P2, Json, ModelName, Png, check_writable, make_model
 
 __all__ = ["map_"]
 
@@ -17,36 +17,53 @@ def map_(
     out: Annotated[Path, typer.Option(help="The folder for map.yaml, map.pgm and map.npz.")],
     model: Annotated[ModelName, typer.Option(help="The sensor model.")] = ModelName.PARAMETERIZED,
     resolution: Annotated[float, typer.Option(help="Side of a cell, metres.")] = 0.05,
-    beta_deg: Annotated[float, typer.Option(help="Half-angle of the cone (P5), degrees.")] = 15.0,
+    beta_deg: Annotated[
+        float | None,
+        typer.Option(help="Half-angle of the cone (P5), degrees; default the ring's."),
+    ] = None,
     tolerance: Annotated[
         float, typer.Option(help="Half of the thickness of region 1 (P3), metres.")
     ] = 0.1,
     max_occupied: Annotated[float, typer.Option(help="Highest P(occupied) (P4).")] = 0.98,
     p1: Annotated[
-        float | None, typer.Option(help="Lowest P(occupied), by default 1 - P4; parameterized.")
+        float | None,
+        typer.Option(help="Lowest P(occupied), for parameterized; default 1 - P4."),
     ] = None,
-    p2: Annotated[float, typer.Option(help="Gap to 0.5 at the border; parameterized.")] = 0.15,
+    p2: Annotated[
+        float | None,
+        typer.Option(help=f"Gap to 0.5 at the border, for parameterized; default {P2}."),
+    ] = None,
     max_range: Annotated[
         float | None, typer.Option(help="Longer readings are no echo, metres; default the ring's.")
     ] = None,
     no_echo: Annotated[
-        str, typer.Option(help="What no echo means: ignore it, or clear the cone.")
+        str,
+        typer.Option(
+            metavar="ignore|clear", help="What no echo means: nothing, or that the cone is free."
+        ),
     ] = "ignore",
-    poses: Annotated[str, typer.Option(help="odometry, or true for a simulated log.")] = "odometry",
-    png: Annotated[Path | None, typer.Option(help="Draw the map into this file as well.")] = None,
+    poses: Annotated[
+        str,
+        typer.Option(metavar="odometry|true", help="Whose poses; true needs a simulated log."),
+    ] = "odometry",
+    png: Png = None,
     as_json: Json = False,
 ) -> None:
     """Build the occupancy map of a log: a ROS map_server pair and an exact npz.
 
-    Example: sonarbed map drive.parquet --model standard --resolution 0.02 --out map
+    Example, after `sonarbed simulate thesis-exp1 --out drive.parquet`:
+
+      sonarbed map drive.parquet --out map --png map.png
     """
     import sonarmap as sm
     from sonarbed.console import print_json, say
 
+    check_writable(png, ".png")
     readings = sm.read_log(log)
     limit_m = readings.ring.range_max_m if max_range is None else max_range
     sensor_model = make_model(
         model,
+        readings.ring,
         beta_deg=beta_deg,
         tolerance_m=tolerance,
         max_occupied=max_occupied,

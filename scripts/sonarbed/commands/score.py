@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from sonarbed.options import Json, Setting
+
+if TYPE_CHECKING:
+    from sonarmap import SonarLog
+    from worlds import World
 
 __all__ = ["score"]
 
@@ -24,7 +28,9 @@ def score(
 ) -> None:
     """Score a map against the truth of its room.
 
-    Example: sonarbed score map --world thesis-exp1 --log drive.parquet --json
+    Example, after `sonarbed map drive.parquet --out map`:
+
+      sonarbed score map --world thesis-exp1 --log drive.parquet
     """
     import sonarmap as sm
     import worlds
@@ -32,15 +38,36 @@ def score(
     from sonarbed.options import load_world
 
     built = sm.OccupancyMap.load(map_)
-    truth = worlds.truth(load_world(world, setting), built.grid)
-    observable = None if log is None else truth.observable(sm.read_log(log))
+    room = load_world(world, setting)
+    truth = worlds.truth(room, built.grid)
+    observable = None
+    if log is not None:
+        drive = sm.read_log(log)
+        _check_room(drive, room)
+        observable = truth.observable(drive)
     scores = sm.score_map(built, truth, observable=observable).to_dict()
     if as_json:
         print_json(scores)
         return
     cells = "observable" if log is not None else "not hidden"
     print_table(
-        f"{scores['counts']['cells']} cells ({cells})",
-        ["score", str(map_)],
+        f"{map_}: {scores['counts']['cells']} cells ({cells})",
+        ["score", "map"],
         score_rows({"map": scores}),
     )
+
+
+def _check_room(drive: SonarLog, room: World) -> None:
+    """Refuse the log of another room: scores against a wrong truth look like any other."""
+    from sonarmap import InputError
+
+    simulated_in = drive.provenance.get("world", room.name)
+    if simulated_in != room.name:
+        raise InputError(f"--log must be of the world {room.name!r}, got one of {simulated_in!r}")
+    parameters = dict(room.parameters)
+    for name, value in drive.provenance.get("world_parameters", {}).items():
+        if parameters.get(name, value) != value:
+            raise InputError(
+                f"--log is of a room with {name} = {value:g}, not {parameters[name]:g}: "
+                f"give --set {name}={value:g}"
+            )

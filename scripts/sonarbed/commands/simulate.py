@@ -7,12 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sonarbed.options import Json, Setting
+from sonarbed.options import Json, Setting, check_writable
 
 if TYPE_CHECKING:
     from worlds import World
 
 __all__ = ["simulate"]
+
+# More is a slip of the pen, not a wish: their logs would fill a disk.
+_MOST_SEEDS = 10_000
 
 
 def simulate(
@@ -35,100 +38,95 @@ def simulate(
     gui: Annotated[bool, typer.Option("--gui", help="Show the engine's window.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Drive the simulated AmigoBot through a room and write its log with the truth.
+    r"""Drive the simulated AmigoBot through a room and write its log with the truth.
 
-    Example: sonarbed simulate office --driver route --seed 0:20 --jobs 2 --out logs
+    Examples, one drive and twenty:
+
+      sonarbed simulate thesis-exp1 --out drive.parquet
+
+      sonarbed simulate office --driver route \
+        --seed 0:20 --jobs 2 --out logs
     """
+    from sonarbed.console import print_json
     from sonarbed.options import load_world
+    from sonarmap import InputError
 
+    seeds = _seeds(seed)
+    if gui and ":" in seed:
+        raise InputError("--gui shows one drive: give one seed")
     room = load_world(world, setting)
     arguments = {"scans": scans, "driver": driver, "sonar": sonar, "engine": engine}
-    seeds = _seeds(seed)
     if ":" in seed:
-        _many(room, out, seeds, jobs, arguments, as_json)
+        told = _many(room, out, seeds, jobs, arguments)
+        logs = told["logs"]
     else:
-        _one(room, out, seeds[0], arguments | {"gui": gui}, as_json)
-
-
-def _one(room: World, out: Path, seed: int, arguments: dict[str, Any], as_json: bool) -> None:
-    import sim
-    from sonarbed.console import print_json, progress
-    from sonarmap.files import atomic_path
-
-    # Found out before the drive, not after it: whether the log can be written there.
-    with atomic_path(out) as beside:
-        with progress(shown=not as_json) as bars:
-            task = bars.add_task(f"{room.name}, scans", total=arguments["scans"])
-            log = sim.simulate(
-                room, seed=seed, on_scan=lambda scan: bars.update(task, advance=1), **arguments
-            )
-        log.write(beside)
-    entry = {"seed": seed, "file": str(out), "readings": len(log), "causes": _causes(log)}
+        told = _one(room, out, seeds[0], arguments | {"gui": gui})
+        logs = [told]
     if as_json:
-        print_json(entry)
+        print_json(told)
     else:
-        _print_causes(room.name, [entry])
+        _print_causes(f"{room.name}: {out}, {len(seeds)} x {scans} scans", logs)
+
+
+def _one(room: World, out: Path, seed: int, arguments: dict[str, Any]) -> dict[str, Any]:
+    import sim
+    from sim.batch import log_entry
+    from sonarbed.console import progress
+
+    check_writable(out)
+    with progress() as bars:
+        task = bars.add_task(f"{room.name}, scans", total=arguments["scans"])
+        log = sim.simulate(room, seed=seed, on_scan=lambda scan: bars.advance(task), **arguments)
+    log.write(out)
+    return log_entry(log, seed, str(out))
 
 
 def _many(
-    room: World,
-    folder: Path,
-    seeds: list[int],
-    jobs: int,
-    arguments: dict[str, Any],
-    as_json: bool,
-) -> None:
+    room: World, folder: Path, seeds: range, jobs: int, arguments: dict[str, Any]
+) -> dict[str, Any]:
     from sim.batch import simulate_many
-    from sonarbed.console import print_json, progress
+    from sonarbed.console import progress
 
-    with progress(shown=not as_json) as bars:
+    with progress() as bars:
         task = bars.add_task(f"{room.name}, logs", total=len(seeds))
-        manifest = simulate_many(
+        return simulate_many(
             room,
             folder,
             seeds=seeds,
             jobs=jobs,
-            on_done=lambda seed: bars.update(task, advance=1),
+            on_done=lambda seed: bars.advance(task),
             **arguments,
         )
-    if as_json:
-        print_json(manifest)
-    else:
-        _print_causes(room.name, manifest["logs"])
 
 
-def _seeds(text: str) -> list[int]:
-    from sonarmap.errors import InputError
+def _seeds(text: str) -> range:
+    from sonarmap import InputError
 
     first, colon, last = text.partition(":")
     try:
-        seeds = list(range(int(first), int(last))) if colon else [int(first)]
+        seeds = range(int(first), int(last) if colon else int(first) + 1)
     except ValueError:
-        seeds = []
+        seeds = range(0)
     if not seeds or seeds[0] < 0:
         raise InputError(f"--seed must be a number >= 0 or a range such as 0:20, got {text!r}")
+    if len(seeds) > _MOST_SEEDS:
+        raise InputError(f"--seed must be at most {_MOST_SEEDS} seeds, got {text!r}")
     return seeds
 
 
-def _causes(log: Any) -> dict[str, int]:
-    from sonarmap import Cause
-
-    return {cause.name: int((log.truth.cause == cause).sum()) for cause in Cause}
-
-
-def _print_causes(room: str, entries: list[dict[str, Any]]) -> None:
+def _print_causes(title: str, logs: list[dict[str, Any]]) -> None:
     from sonarbed.console import print_table
 
-    causes = list(entries[0]["causes"])
+    readings = sum(entry["readings"] for entry in logs)
+    counts = {name: sum(entry["causes"][name] for entry in logs) for name in logs[0]["causes"]}
     print_table(
-        f"{room}: readings by cause",
-        ["file", "readings", *(name.lower().replace("_", " ") for name in causes)],
+        title,
+        ["cause", "readings", "share"],
         [
-            [
-                str(entry["file"]),
-                str(entry["readings"]),
-                *(f"{entry['causes'][name] / entry['readings']:.1%}" for name in causes),
-            ]
-            for entry in entries
+            *(
+                [name.lower().replace("_", " "), str(count), f"{count / readings:.1%}"]
+                for name, count in counts.items()
+            ),
+            ["all", str(readings), "100.0%"],
         ],
     )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from sonarbed.options import Json, Setting
+from sonarbed.options import Json, Png, Setting
 
 if TYPE_CHECKING:
     from worlds import World
@@ -19,11 +19,16 @@ __all__ = ["worlds"]
 
 def worlds(
     name: Annotated[str | None, typer.Argument(help="A room or a world file to show.")] = None,
-    png: Annotated[Path | None, typer.Option(help="Draw the room into this file.")] = None,
+    png: Png = None,
     setting: Setting = None,
     as_json: Json = False,
 ) -> None:
-    """List the rooms, or show one with what is assumed of it."""
+    """List the rooms, or show one with what is assumed of it.
+
+    Example:
+
+      sonarbed worlds office --png office.png
+    """
     from sonarmap.errors import InputError
 
     if name is None:
@@ -51,8 +56,9 @@ def _list_rooms(as_json: bool) -> None:
 
 def _show(name: str, png: Path | None, setting: list[str] | None, as_json: bool) -> None:
     from sonarbed.console import print_json, print_table, say
-    from sonarbed.options import load_world
+    from sonarbed.options import check_writable, load_world
 
+    check_writable(png, ".png")
     world = load_world(name, setting)
     if png is not None:
         from sonarbed.pictures import draw_world
