@@ -46,6 +46,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         code = app(arguments, prog_name="sonarbed", standalone_mode=False)
+        if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
+            raise KeyboardInterrupt
         # Now, not when Python ends: a full disk or a closed pipe is found out here.
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,24 @@ CAUSE_COLOURS = {
     sm.Cause.CROSSTALK: "#CC79A7",
     sm.Cause.DROPOUT: "#D55E00",
 }
+# Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
+# brown, absorbers violet and pink.
+_MATERIAL_COLOURS = {
+    "glass": "#56B4E9",
+    "metal": "#7F8C9A",
+    "whiteboard": "#9AD1D4",
+    "drywall": "#B9B4A8",
+    "wood": "#C89B5A",
+    "smooth-cardboard": "#E69F00",
+    "cardboard": "#D55E00",
+    "plaster": "#4D4D4D",
+    "brick": "#8C3B2E",
+    "carpet": "#6B8E23",
+    "books": "#009E73",
+    "curtain": "#7A4EA3",
+    "foam": "#CC79A7",
+}
+_SPARE_COLOURS = ("#F0E442", "#000000", "#1B4F72", "#A9DFBF")
 _WALL, _PATH = "#444444", "#0072B2"
 _DPI = 110
 # A reading without an echo has no point: it is drawn as a stroke of this length on its axis.
@@ -37,26 +56,27 @@ _SILENT_STROKE_M = 0.12
 
 def draw_world(world: worlds.World, path: Path) -> None:
     """Draw a room with its materials, start and route."""
-    figure = Figure(figsize=(8, 7), layout="constrained")
-    axes = figure.subplots()
+    x_min, y_min, x_max, y_max = world.bounds_m
+    figure, axes = _plan_figure(x_max - x_min, y_max - y_min)
     _room(axes, world, by_material=True)
     if world.route_m:
-        axes.plot(*np.array(world.route_m).T, "o--", color=_PATH, ms=4, lw=1, label="route")
+        stops = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
+        axes.plot(*stops.T, "o--", color=_PATH, ms=4, lw=1, label="route")
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
-    figure.legend(loc="outside right upper", fontsize=8, frameon=False)
+    figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
     _save(figure, path)
 
 
 def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
     """Draw a map with the robot's path by odometry."""
-    figure = Figure(figsize=(8, 7), layout="constrained")
-    axes = figure.subplots()
+    left, right, bottom, top = built.grid.extent_m
+    figure, axes = _plan_figure(right - left, top - bottom)
     _map(axes, built)
-    axes.plot(log.x_m, log.y_m, color=_PATH, lw=1, label="path by odometry")
-    axes.legend(fontsize=8)
-    image = axes.images[0]
-    figure.colorbar(image, ax=axes, shrink=0.7, label="P(occupied)")
+    axes.plot(log.x_m, log.y_m, color=_PATH, lw=1.5, label="path by odometry")
+    axes.plot(log.x_m[0], log.y_m[0], "o", color=_PATH, ms=6, label="start")
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
+    figure.colorbar(axes.images[0], ax=axes, shrink=0.7, label="P(occupied)")
     _save(figure, path)
 
 
@@ -105,7 +125,16 @@ def draw_demo(
 
 def _save(figure: Figure, path: Path) -> None:
     with atomic_path(path) as beside:
-        figure.savefig(beside, dpi=_DPI)
+        figure.savefig(beside, dpi=_DPI, format="png")
+
+
+def _plan_figure(width_m: float, height_m: float) -> tuple[Figure, Axes]:
+    """Return a figure of the shape of a plan, with room for labels and a legend below."""
+    # Long corridors stay readable: neither side is drawn shorter than this.
+    inches = 7.5 * np.array([width_m, height_m]) / max(width_m, height_m)
+    across, up = np.maximum(inches, 2.5)
+    figure = Figure(figsize=(max(across, 5) + 1.2, up + 1.4), layout="constrained")
+    return figure, figure.subplots()
 
 
 def _plan(axes: Axes) -> None:
@@ -128,8 +157,7 @@ def _legend_below(axes: Axes) -> None:
 
 def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None:
     """Draw the solids as filled outlines."""
-    materials = sorted({solid.material.name for solid in world.solids})
-    shades = dict(zip(materials, _shades(len(materials)), strict=True))
+    shades = _shades(world)
     told: set[str] = set()
     for solid in world.solids:
         name = solid.material.name
@@ -137,8 +165,9 @@ def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None
             PathPatch(
                 _outline(solid),
                 facecolor=shades[name] if by_material else _WALL,
-                edgecolor="black",
-                lw=0.5,
+                # In its own colour, or a thin board would be all black border.
+                edgecolor=shades[name] if by_material else _WALL,
+                lw=1.0,
                 label=name if by_material and name not in told else None,
             )
         )
@@ -149,18 +178,11 @@ def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None
     _plan(axes)
 
 
-def _shades(count: int) -> list[str]:
-    palette = [
-        "#0072B2",
-        "#D55E00",
-        "#009E73",
-        "#CC79A7",
-        "#E69F00",
-        "#56B4E9",
-        "#F0E442",
-        "#444444",
-    ]
-    return [palette[index % len(palette)] for index in range(count)]
+def _shades(world: worlds.World) -> dict[str, str]:
+    """Return a colour for each material of a room: a known one has the same in every room."""
+    own = {solid.material.name for solid in world.solids} - _MATERIAL_COLOURS.keys()
+    spare = cycle(_SPARE_COLOURS)
+    return _MATERIAL_COLOURS | {name: next(spare) for name in sorted(own)}
 
 
 def _outline(solid: worlds.Solid) -> Outline:
