@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, label
 
 from sonarmap.errors import InputError
 from sonarmap.files import atomic_path
@@ -34,6 +35,8 @@ class CellState(IntEnum):
     HIDDEN = 2
     """Anything else, the inside of solids and the world outside: no sonar can tell."""
 
+
+_EIGHT_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 
 FREE, OCCUPIED, HIDDEN = CellState.FREE, CellState.OCCUPIED, CellState.HIDDEN
 
@@ -140,7 +143,7 @@ def truth(world: World, grid: GridSpec | None = None, *, resolution_m: float = 0
         touched[touched_cells(solid, grid)] = True
     free = _connected(~touched, world, grid)
     state = np.full(grid.shape, HIDDEN, dtype=np.uint8)
-    state[touched & _beside(free)] = OCCUPIED
+    state[touched & binary_dilation(free, _EIGHT_NEIGHBOURS)] = OCCUPIED
     state[free] = FREE
     return TruthGrid(grid, state, world.faces)
 
@@ -152,21 +155,9 @@ def _connected(untouched: NDArray[np.bool_], world: World, grid: GridSpec) -> ND
         raise InputError(f"grid must hold {place}, got extent_m {grid.extent_m}")
     if not untouched[row, col]:
         raise InputError(f"resolution_m must leave {place} a free cell, got {grid.resolution_m:g}")
-    from worlds.flood import flood  # numba is heavy: loaded when a truth is made
-
-    free: NDArray[np.bool_] = flood(untouched, row, col)
+    labels, _ = label(untouched)  # its default is the four sides
+    free: NDArray[np.bool_] = labels == labels[row, col]
     return free
-
-
-def _beside(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return which cells have one of `cells` among their eight neighbours or are one."""
-    rows, cols = cells.shape
-    padded = np.pad(cells, 1)
-    beside = np.zeros_like(cells)
-    for down in range(3):
-        for right in range(3):
-            beside |= padded[down : down + rows, right : right + cols]
-    return beside
 
 
 def _cones(log: SonarLog) -> NDArray[np.float64]:
