@@ -6,7 +6,7 @@ import csv
 import json
 import multiprocessing
 import signal
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
@@ -113,13 +113,24 @@ class Setting:
         driver: str = "thesis",
         scans: int | None = None,
         seeds: Iterable[int] | None = None,
+        parameters: Mapping[str, float] | None = None,
     ) -> list[sm.SonarLog]:
-        """Return the logs of a room, one a seed, simulated once and kept in ``logs``."""
-        wanted = scans or self.scans
-        tasks = [
-            (str(self.folder / "logs"), room, driver, self.sonar, wanted, seed)
+        """Return the logs of a room, one a seed, simulated once and kept in ``logs``.
+
+        `parameters` are the room's, see `worlds.load`.
+        """
+        drives = [
+            _Drive(
+                room=room,
+                parameters=tuple(sorted((parameters or {}).items())),
+                driver=driver,
+                sonar=self.sonar,
+                scans=self.scans if scans is None else scans,
+                seed=seed,
+            )
             for seed in (self.seeds if seeds is None else seeds)
         ]
+        tasks = [(self.folder / "logs" / drive.file, drive) for drive in drives]
         return [sm.read_log(path) for path in self.map(_simulated, tasks, f"driving in {room}")]
 
     def map(
@@ -178,13 +189,37 @@ def quiet_worker() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _simulated(task: tuple[str, str, str, str, int, int]) -> Path:
+@dataclass(frozen=True)
+class _Drive:
+    """What a log depends on; its file is called after all of it."""
+
+    room: str
+    parameters: tuple[tuple[str, float], ...]
+    driver: str
+    sonar: str
+    scans: int
+    seed: int
+
+    @property
+    def file(self) -> str:
+        # Every digit of a parameter: two rooms that differ must not share a file.
+        values = [f"{name}={float(value)!r}" for name, value in self.parameters]
+        made = (self.driver, self.sonar, str(self.scans), f"{self.seed:04d}")
+        return "-".join([self.room, *values, *made]) + ".parquet"
+
+
+def _simulated(task: tuple[Path, _Drive]) -> Path:
     """Return the file of a drive, made if it is not there yet."""
-    folder, room, driver, sonar, scans, seed = task
-    path = Path(folder) / f"{room}-{driver}-{sonar}-{scans}-{seed:04d}.parquet"
+    path, drive = task
     if not path.exists():
         import sim  # the simulator: loaded only when a drive is missing
 
-        log = sim.simulate(worlds.load(room), scans=scans, seed=seed, driver=driver, sonar=sonar)
+        log = sim.simulate(
+            worlds.load(drive.room, **dict(drive.parameters)),
+            scans=drive.scans,
+            seed=drive.seed,
+            driver=drive.driver,
+            sonar=drive.sonar,
+        )
         log.write(path)
     return path
