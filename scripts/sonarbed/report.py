@@ -5,18 +5,42 @@ from __future__ import annotations
 import base64
 import csv
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, select_autoescape
 
-from sonarbed.studies.section import QUESTIONS, Section
+from sonarbed.studies.section import ANSWERED_BY, QUESTIONS, Answer, Section
 from sonarbed.studies.setting import Setting
+from sonarmap.errors import InputError
 from sonarmap.files import atomic_path
 
 __all__ = ["write_report"]
 
 # A longer table is told by its file; the page shows its beginning.
 _MOST_ROWS = 40
+
+
+@dataclass(frozen=True)
+class _Question:
+    """A question of the report, the answers of its studies, and which studies are missing."""
+
+    number: int
+    text: str
+    answers: tuple[tuple[Section, Answer], ...]
+    missing: tuple[str, ...]
+
+    @classmethod
+    def of(cls, number: int, sections: Sequence[Section]) -> _Question:
+        done = {section.study for section in sections}
+        return cls(
+            number,
+            QUESTIONS[number],
+            tuple(
+                (s, answer) for s in sections for answer in s.answers if answer.question == number
+            ),
+            tuple(study for study in ANSWERED_BY[number] if study not in done),
+        )
 
 
 def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, Path]:
@@ -38,14 +62,12 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
     )
     environment.globals["picture"] = lambda section, file: _data_url(_file(setting, section, file))
     environment.globals["rows"] = lambda section, file: _rows(_file(setting, section, file))
-    environment.filters["cells"] = _markdown_cells
+    environment.filters["cell"] = _markdown_cell
     environment.globals["most_rows"] = _MOST_ROWS
     context = {
         "setting": setting,
         "sections": sections,
-        "questions": [
-            (number, text, _answers(sections, number)) for number, text in QUESTIONS.items()
-        ],
+        "questions": [_Question.of(number, sections) for number in QUESTIONS],
     }
     written = []
     for name in ("report.html", "report.md"):
@@ -56,12 +78,13 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
     return written[0], written[1]
 
 
-def _answers(sections: Sequence[Section], number: int) -> list[str]:
-    return [a.text for section in sections for a in section.answers if a.question == number]
-
-
 def _file(setting: Setting, section: Section, file: str) -> Path:
-    return setting.folder / section.study / file
+    path = setting.folder / section.study / file
+    if not path.is_file():
+        raise InputError(
+            f"{path}: is missing from the report; make it anew with --study {section.study} --again"
+        )
+    return path
 
 
 def _data_url(file: Path) -> str:
@@ -73,6 +96,6 @@ def _rows(file: Path) -> list[list[str]]:
         return list(csv.reader(stream))
 
 
-def _markdown_cells(texts: Sequence[str]) -> str:
-    """Return texts as the cells of a row; a bar within one would begin the next."""
-    return " | ".join(text.replace("|", "\\|") for text in texts)
+def _markdown_cell(text: str) -> str:
+    """Return text as the cell of a table, where a bar would begin the next and a line end it."""
+    return " ".join(text.split()).replace("|", "\\|")

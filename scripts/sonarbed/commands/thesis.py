@@ -31,6 +31,7 @@ def thesis(
 
     Example: sonarbed thesis --quick --out report
     """
+    from sim.cone import preset
     from sonarbed.console import progress, say
     from sonarbed.report import write_report
     from sonarbed.studies import STUDIES, load
@@ -40,6 +41,7 @@ def thesis(
 
     if jobs < 1:
         raise InputError(f"--jobs must be >= 1, got {jobs}")
+    preset(sonar)  # an unknown one ends here, before it has claimed the folder
     wanted = list(study or STUDIES)
     runs = {name: load(name) for name in wanted}
     with progress() as bars:

@@ -9,7 +9,7 @@ from pathlib import Path
 from sonarmap.errors import InputError
 from sonarmap.files import atomic_path
 
-__all__ = ["QUESTIONS", "Answer", "Item", "Section"]
+__all__ = ["ANSWERED_BY", "QUESTIONS", "Answer", "Item", "Section"]
 
 _FILE = "section.json"
 
@@ -24,6 +24,16 @@ QUESTIONS = {
     "room?",
     6: "Does the simulated TDTh come out near 60 mm, and the opening curve near 0.8 m for a 0.8 m "
     "opening?",
+}
+
+# Which studies settle a question; a report without them says which are missing.
+ANSWERED_BY = {
+    1: ("wall_sizes",),
+    2: ("readings",),
+    3: ("wall_sizes",),
+    4: ("goodness",),
+    5: ("two_models",),
+    6: ("target_distance", "openings"),
 }
 
 
@@ -114,4 +124,7 @@ class Section:
                 answers=tuple(Answer(**answer) for answer in told["answers"]),
             )
         except (ValueError, KeyError, TypeError) as error:
-            raise InputError(f"{file}: is not a section of a report: {error!r}") from None
+            raise InputError(
+                f"{file}: is not a section of a report ({error!r}); make it anew with "
+                f"--study {folder.name} --again"
+            ) from None

@@ -98,7 +98,9 @@ class Setting:
         try:
             found = json.loads(file.read_text(encoding="utf-8"))
         except ValueError:
-            raise InputError(f"{file}: is not the setting of a report") from None
+            found = None
+        if not isinstance(found, dict):
+            raise InputError(f"{file}: is not the setting of a report: choose another folder")
         for name, value in mine.items():
             if found.get(name) != value:
                 raise InputError(
