@@ -55,7 +55,7 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
     """
     environment = Environment(
         loader=PackageLoader("sonarbed", "templates"),
-        autoescape=select_autoescape(["html"]),
+        autoescape=select_autoescape(["html.j2"]),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
