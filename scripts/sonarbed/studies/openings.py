@@ -288,8 +288,8 @@ def _curve(setting: Setting, swept: _Swept, theory: Line) -> Item:
     if math.isfinite(seen.value):
         finding = (
             f"An opening of {_THESIS_GAP_M:g} m is seen in {SHARE:.0%} of the readings up to "
-            f"{seen.text(3)} m, {_off(seen.value)} of the thesis's {_THESIS_FARTHEST_M:g} m. At "
-            f"{_THESIS_FARTHEST_M:g} m {share.text(1, factor=100)} % of the readings are left."
+            f"{seen.text(3)} m, {_off(seen.value)} against the thesis's {_THESIS_FARTHEST_M:g} m. "
+            f"At {_THESIS_FARTHEST_M:g} m {share.text(1, factor=100)} % of the readings are left."
         )
     else:
         finding = (
