@@ -1,4 +1,5 @@
 import math
+import textwrap
 import time
 from types import SimpleNamespace
 
@@ -160,11 +161,32 @@ def test_a_wall_seen_under_a_grazing_angle_has_no_gaps(make_world):
     assert seen[nearest : farthest + 1].all()
 
 
-def test_the_sonar_counts_and_not_the_robots_middle(make_world):
+def test_a_face_that_one_ray_meets_is_seen_in_the_cell_behind_it(make_world):
+    # The post's face lies on the border at x = 5, and the ray comes from the right.
+    post = """
+        [[box]]
+        name = "post"
+        centre_m = [4.99, 2.5]
+        size_m = [0.02, 0.02]
+        height_m = 1
+        material = "wood"
+    """
+    seen = observed(make_world(ROOM + textwrap.dedent(post)), log_at(ring(10, 4), (8.5, 2.5, 180)))
+    assert seen[2, 4]
+
+
+@pytest.mark.parametrize(
+    ("heading_deg", "seen"),
+    [
+        # Sonar 1 sits 1 m ahead of the robot's middle and 1 m to its left, and looks left.
+        (0, [(2, 5), (3, 5), (4, 5)]),
+        (90, [(2, 0), (2, 1), (2, 2), (2, 3)]),
+    ],
+)
+def test_the_sonar_counts_and_not_the_robots_middle(make_world, heading_deg, seen):
     mounted = ring(1, 20, x_m=[0, 1], y_m=[0, 1], heading_deg=[0, 90])
-    # The robot looks north: sonar 1 sits 1 m ahead and 1 m to the left, and looks west.
-    seen = observed(make_world(ROOM), log_at(mounted, (4.5, 1.5, 90), sonar=1))
-    assert np.argwhere(seen).tolist() == [[2, col] for col in range(4)]
+    log = log_at(mounted, (4.5, 1.5, heading_deg), sonar=1)
+    assert [tuple(cell) for cell in np.argwhere(observed(make_world(ROOM), log))] == seen
 
 
 def test_a_log_sees_what_its_firings_see_together(make_world, rng):
@@ -224,12 +246,14 @@ def test_the_kernel_agrees_with_lines_of_sight_to_many_points(name, rng):
     assert seen.sum() > 50
 
 
-def test_hidden_cells_are_never_observable():
-    truth = worlds.truth(worlds.load("clutter"))
-    poses = [(0.7, 0.7, turn) for turn in range(0, 360, 10)]
-    seen = truth.observable(log_at(AMIGOBOT, *poses, sonar=3))
-    assert not seen[truth.state == worlds.HIDDEN].any()
-    assert seen[truth.state == worlds.OCCUPIED].any()
+def test_what_is_seen_through_a_slit_narrower_than_a_cell_stays_hidden(make_world):
+    # Both walls of the slit touch its cell: no free cell connects one side with the other.
+    upper = ACROSS.replace("across", "upper").replace("[6.5, 1], [6.5, 3]", "[6.5, 2.6], [6.5, 4]")
+    lower = ACROSS.replace("[6.5, 3]", "[6.5, 2.4]")
+    world = make_world(ROOM + lower + upper)
+    assert world.faces.cast([[1.5, 2.5]], [[1.0, 0.0]], 20).distance_m == 8.5
+    seen = observed(world, log_at(ring(1, 20), (1.5, 2.5, 0)))
+    assert np.argwhere(seen).tolist() == [[2, col] for col in range(1, 7)]
 
 
 def test_poses_outside_of_the_grid_do_no_harm(make_world):

@@ -1,3 +1,4 @@
+import math
 import time
 
 import numpy as np
@@ -146,10 +147,17 @@ def test_the_truth_of_a_room(make_world):
         ),
         # Only sides connect: what two solids that meet at a corner shut off is hidden.
         (
-            box([3.5, 0.5], [1, 1]) + box([4.5, 1.5], [1, 1]),
+            "".join(
+                box(centre, [1, 1])
+                for centre in (
+                    *([1.5, 3.5], [0.5, 2.5]),
+                    *([3.5, 3.5], [4.5, 2.5]),
+                    *([3.5, 0.5], [4.5, 1.5]),
+                )
+            ),
             """
-            .....
-            .....
+            ?#.#?
+            #...#
             ....#
             ...#?
             """,
@@ -169,6 +177,15 @@ def test_the_truth_of_a_room(make_world):
 def test_which_cells_a_solid_touches(make_world, solids, picture):
     truth = worlds.truth(make_world(OPEN + solids), resolution_m=1.0)
     assert (drawn(truth) == cells(picture)).all(), drawn(truth)[::-1]
+
+
+def test_a_pillar_is_a_circle_and_not_the_polygon_of_its_outline(make_world):
+    # The circle reaches the corner at (3, 3) between two corners of the polygon.
+    angle = math.radians(45 + 90 / 64)
+    centre = [3 - 0.9999 * math.cos(angle), 3 - 0.9999 * math.sin(angle)]
+    world = make_world(OPEN + pillar(centre, 1.0))
+    assert not world.solids[0].outline.intersects(shapely.box(3, 3, 4, 4))
+    assert worlds.truth(world, resolution_m=1.0).state[3, 3] == worlds.OCCUPIED
 
 
 @pytest.mark.parametrize("turns", [1, 2, 3])
