@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import multiprocessing
 import signal
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -21,7 +20,7 @@ from sonarmap import Cause, InputError, SonarLog
 from sonarmap.files import atomic_path, make_folder
 from worlds import World
 
-__all__ = ["MANIFEST", "log_entry", "simulate_many"]
+__all__ = ["MANIFEST", "deaf_children", "log_entry", "simulate_many"]
 
 MANIFEST = "manifest.json"
 
@@ -56,7 +55,7 @@ def simulate_many(
     -------
     dict
         ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each its seed, file,
-        readings and causes.
+        readings, readings by cause, and in how many scans the robot touched something.
     """
     if jobs < 1:
         raise InputError(f"jobs must be >= 1, got {jobs!r}")
@@ -65,12 +64,13 @@ def simulate_many(
     folder = make_folder(folder)
     # Fresh processes: a forked one would share the engine's and the compiler's threads.
     context = multiprocessing.get_context("spawn")
+    # Made before any process: the first of its kind starts a helper that unblocks signals.
     stop = context.Event()
     futures: list[Future[dict[str, Any]]] = []
     try:
         with ProcessPoolExecutor(min(jobs, len(seeds)), context, _begin, (stop,)) as pool:
             try:
-                with _ignoring_interrupts():
+                with deaf_children():
                     for seed in seeds:
                         futures.append(pool.submit(_simulate_one, world, folder, seed, arguments))
                 for future in as_completed(futures):
@@ -102,13 +102,15 @@ def simulate_many(
 
 
 def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
-    """Return what a manifest tells of a simulated log: seed, file, readings and causes."""
-    causes = np.bincount(log.require_truth("the manifest").cause, minlength=len(Cause))
+    """Return what a manifest tells of a simulated log, see `simulate_many`."""
+    truth = log.require_truth("the manifest")
+    causes = np.bincount(truth.cause, minlength=len(Cause))
     return {
         "seed": seed,
         "file": file,
         "readings": len(log),
         "causes": {cause.name: int(causes[cause]) for cause in Cause},
+        "collision_scans": int(np.unique(log.scan[truth.collision]).size),
     }
 
 
@@ -131,20 +133,21 @@ def _stop_if_told(scan: int) -> None:
 
 
 @contextmanager
-def _ignoring_interrupts() -> Iterator[None]:
-    """Let processes that begin in the block ignore Ctrl-C, from their first line on.
+def deaf_children() -> Iterator[None]:
+    """Let processes that begin in the block never hear Ctrl-C, from their first line on.
 
-    A terminal sends it to all of them; it is for the parent, who tells them to stop. They inherit
-    what the parent does with the signal, so it ignores it itself for these milliseconds.
+    A terminal sends it to all processes; it is for the parent, which tells the others to stop.
+    They inherit the parent's mask of signals. For the parent it only waits for the end of the
+    block, where `signal.SIG_IGN` would lose it.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may say what happens on a signal
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _succeeded(future: Future[dict[str, Any]]) -> bool:

@@ -42,18 +42,15 @@ def print_table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]
         table.add_column(name, justify="right" if numbers else "left", overflow="fold")
     for row in rows:
         table.add_row(*(escape(cell) for cell in row))
+    console = _Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = _PIPE_WIDTH
     say(title)
-    _Console(highlight=False).print(table)
+    console.print(table)
 
 
 class _Console(Console):
-    """Standard output that wraps at the width of a terminal, and leaves errors to `main`."""
-
-    @property
-    def width(self) -> int:
-        """Columns of the terminal, or of nothing."""
-        known = self.is_terminal or "COLUMNS" in os.environ
-        return super().width if known else _PIPE_WIDTH
+    """Standard output that leaves its errors to `main`."""
 
     def on_broken_pipe(self) -> None:
         """Pass on the error that is being handled; Rich would end the program itself."""

@@ -115,7 +115,7 @@ def _seeds(text: str) -> range:
 
 
 def _print_causes(title: str, logs: list[dict[str, Any]]) -> None:
-    from sonarbed.console import print_table
+    from sonarbed.console import print_table, say
 
     readings = sum(entry["readings"] for entry in logs)
     counts = {name: sum(entry["causes"][name] for entry in logs) for name in logs[0]["causes"]}
@@ -130,3 +130,6 @@ def _print_causes(title: str, logs: list[dict[str, Any]]) -> None:
             ["all", str(readings), "100.0%"],
         ],
     )
+    touched = sum(entry["collision_scans"] for entry in logs)
+    if touched:
+        say(f"In {touched} scans the robot touched something: odometry is off.")
