@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import signal
+import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -137,17 +138,26 @@ def deaf_children() -> Iterator[None]:
     """Let processes that begin in the block never hear Ctrl-C, from their first line on.
 
     A terminal sends it to all processes; it is for the parent, which tells the others to stop.
-    They inherit the parent's mask of signals. For the parent it only waits for the end of the
-    block, where `signal.SIG_IGN` would lose it.
+    They inherit the parent's mask of signals. For the parent it waits for the end of the block:
+    it must not meet a process half begun, nor be lost, as with `signal.SIG_IGN`.
     """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    can_mask = hasattr(signal, "pthread_sigmask")
+    is_main = threading.current_thread() is threading.main_thread()
+    heard: list[int] = []
+    if is_main:
+        # The mask alone is not enough: threads of numerical libraries have their own.
+        handler = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+    if can_mask:
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if can_mask:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if is_main:
+            signal.signal(signal.SIGINT, handler)
+    if heard:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _succeeded(future: Future[dict[str, Any]]) -> bool:

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import sonarmap as sm
+from sim.batch import deaf_children
 
 SONARBED = [sys.executable, "-m", "sonarbed"]
 INTERRUPTED = "sonarbed: interrupted; what was finished is kept\n"
@@ -112,3 +113,15 @@ def test_ctrl_c_while_processes_begin_leaves_no_traceback(tmp_path):
     )
     assert (code, out, err) == (130, "", INTERRUPTED)
     assert list(folder.iterdir()) == []
+
+
+def test_ctrl_c_while_processes_begin_waits_and_is_not_lost():
+    began = False
+    with pytest.raises(KeyboardInterrupt), deaf_children():
+        child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1)"])
+        child.send_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+        began = True
+    assert began
+    assert child.wait() == 0
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
