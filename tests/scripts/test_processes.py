@@ -116,12 +116,16 @@ def test_ctrl_c_while_processes_begin_leaves_no_traceback(tmp_path):
 
 
 def test_ctrl_c_while_processes_begin_waits_and_is_not_lost():
-    began = False
-    with pytest.raises(KeyboardInterrupt), deaf_children():
-        child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1)"])
-        child.send_signal(signal.SIGINT)
-        signal.raise_signal(signal.SIGINT)
-        began = True
-    assert began
-    assert child.wait() == 0
+    children = []
+
+    def begin():
+        with deaf_children():
+            child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1)"])
+            child.send_signal(signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+            children.append(child)
+
+    with pytest.raises(KeyboardInterrupt):
+        begin()
+    assert [child.wait() for child in children] == [0]
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
