@@ -1,5 +1,4 @@
 import math
-import time
 
 import numpy as np
 import pytest
@@ -285,11 +284,3 @@ def test_the_truth_cannot_be_changed():
     truth = worlds.truth(worlds.load("thesis-exp1"))
     with pytest.raises(ValueError, match="read-only"):
         truth.state[0, 0] = worlds.FREE
-
-
-def test_a_room_of_usual_size_takes_a_moment():
-    world = worlds.load("office")
-    worlds.truth(world)  # compiled
-    start = time.perf_counter()
-    worlds.truth(world, resolution_m=0.05)
-    assert time.perf_counter() - start < 0.5  # 0.04 s on two cores; room for a busy machine
