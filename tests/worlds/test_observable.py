@@ -8,7 +8,7 @@ import shapely
 from support import cells
 
 import worlds
-from sonarmap import AMIGOBOT, InputError, SonarRing
+from sonarmap import InputError, SonarRing
 
 # A room of 9 m by 3 m in cells of 1 m, with a wall across the lower two thirds of it.
 ROOM = """
