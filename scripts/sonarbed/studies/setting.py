@@ -81,6 +81,10 @@ class Setting:
         """Return this setting at work on a study."""
         return replace(self, study=name)
 
+    def in_worker(self) -> Setting:
+        """Return this setting for a task: it pickles, works alone and reports nothing."""
+        return replace(self, jobs=1, on_progress=_no_progress)
+
     def claim(self) -> None:
         """Make the folder this setting's own, or raise `InputError` if it is another's."""
         make_folder(self.folder)
