@@ -65,10 +65,12 @@ def show_map(axes: Axes, example: Example) -> None:
 def draw_maps(
     truth: worlds.TruthGrid, observable: NDArray[np.bool_], examples: Sequence[Example]
 ) -> Figure:
-    """Draw the truth at the left of each row of two maps."""
-    figure, axes = figure_with(len(examples) // 2, 3, width=4.2, height=4.0)
+    """Draw the truth at the left, then rows of two maps."""
+    figure, axes = figure_with(len(examples) // 2, 3, width=4.2, height=3.8)
+    draw_truth(axes[0], truth, observable)
     for row in range(len(examples) // 2):
-        draw_truth(axes[3 * row], truth, observable)
+        if row:
+            axes[3 * row].axis("off")
         show_map(axes[3 * row + 1], examples[2 * row])
         show_map(axes[3 * row + 2], examples[2 * row + 1])
     figure.colorbar(axes[1].images[0], ax=axes, shrink=0.5, label="P(occupied)")
@@ -81,10 +83,10 @@ def draw_differences(
     series: Sequence[str],
 ) -> Figure:
     """Draw differences with intervals: a panel a score, a row a room, a marker a series."""
-    figure, panels = figure_with(1, len(scores), width=3.6, height=4.4, sharey=True)
+    figure, panels = figure_with(1, len(scores), width=14.4 / len(scores), height=4.6, sharey=True)
     for axes, (title, better), groups in zip(panels, scores, by_score, strict=True):
         for index, (name, by_room) in enumerate(zip(series, groups, strict=True)):
-            shift = 0.28 * (index - (len(series) - 1) / 2)
+            shift = 0.26 * (index - (len(series) - 1) / 2)
             value = np.array([e.value for e in by_room.values()])
             low, high = (
                 np.nan_to_num([getattr(e, side) - e.value for e in by_room.values()])
