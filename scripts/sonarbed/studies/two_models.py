@@ -2,121 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-
-import numpy as np
-from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
+from collections.abc import Mapping
 
 import sonarmap as sm
 import worlds
 from sonarbed.studies.drives import usual_drive
 from sonarbed.studies.section import Answer, Item, Section
 from sonarbed.studies.setting import Setting
-from sonarbed.studies.statistics import Estimate, mean_of
+from sonarbed.studies.two_models_core import (
+    PAIRS,
+    PARTS,
+    SCORES,
+    Judgements,
+    contradictions,
+    differences,
+    judge_drive,
+    mean,
+)
 from sonarbed.studies.two_models_figures import Example, draw_differences, draw_maps
-from sonarmap.models import probability
-from sonarmap.scores import CLAMP
+from sonarbed.studies.wording import verdicts, word
 
-__all__ = [
-    "PAIRS",
-    "SCORES",
-    "Judged",
-    "Pair",
-    "Score",
-    "contradictions",
-    "judge",
-    "run",
-    "verdicts",
-]
+__all__ = ["run"]
 
 _EXAMPLE_ROOM = "thesis-exp1"
-# Free cells this near to a wall, P3 and the width of a cell, are what a thick arc reaches.
-_NEAR_WALL_M = 0.15
-# The parts of the Map Score in `Judged`.
-_PARTS = {
-    "bits_wall": "wall cells",
-    "bits_near": f"free cells within {_NEAR_WALL_M:g} m of a wall",
-    "bits_open": "other free cells",
-}
-
-
-@dataclass(frozen=True)
-class Pair:
-    """The two models with the same parameters."""
-
-    tolerance_m: float
-    standard: sm.StandardModel
-    parameterized: sm.ParameterizedModel
-
-    @classmethod
-    def of(cls, tolerance_m: float) -> Pair:
-        """Return the setting of figure 5.8 with another tolerance (P3)."""
-        return cls(
-            tolerance_m,
-            replace(sm.StandardModel.thesis(), tolerance_m=tolerance_m),
-            replace(sm.ParameterizedModel.thesis(), p3_m=tolerance_m),
-        )
-
-
-# Figure 5.8's own tolerance, and the smallest of the thesis's search (2 P3 = 0.5 units).
-PAIRS = (Pair.of(sm.StandardModel.thesis().tolerance_m), Pair.of(0.025))
-
-
-@dataclass(frozen=True, slots=True)
-class Score:
-    """A score of maps: its name in `Judged`, what people call it, and whether more is better."""
-
-    name: str
-    title: str
-    unit: str
-    better: int
-
-
-SCORES = (
-    Score("map_score", "Map Score", "bit", 1),
-    Score("brier", "Brier score", "", -1),
-    Score("correlation", "correlation", "", 1),
-    Score("f1", "F1 at 10 cm", "", 1),
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """What the truth says of a map, over observable cells.
-
-    Parameters
-    ----------
-    map_score, brier, correlation, f1 : float
-        As `sonarmap.MapScore` has them, F1 at 10 cm.
-    phantom_m2, false_free_m2 : float
-        Free area mapped as occupied, occupied area mapped as free.
-    bits_wall, bits_near, bits_open : float
-        Parts of the Map Score, bits per scored cell, that add up to it: of occupied cells, of
-        free cells within 0.15 m of a wall, and of the other free cells.
-    """
-
-    map_score: float
-    brier: float
-    correlation: float
-    f1: float
-    phantom_m2: float
-    false_free_m2: float
-    bits_wall: float
-    bits_near: float
-    bits_open: float
-
-
-# Seed by seed, pair by pair: the standard and the parameterised model's map.
-Judgements = Sequence[Sequence[tuple[Judged, Judged]]]
 
 
 def run(setting: Setting) -> Section:
     """Map every room with both models, and let the truth compare them."""
     rooms = worlds.names()
     tasks = [(setting.in_worker(), room, seed) for room in rooms for seed in setting.seeds]
-    results = setting.map(_judge_drive, tasks, "mapping every room with two models")
+    results = setting.map(judge_drive, tasks, "mapping every room with two models")
     n = len(setting.seeds)
     found = {room: results[i * n : (i + 1) * n] for i, room in enumerate(rooms)}
     return Section(
@@ -125,66 +40,6 @@ def run(setting: Setting) -> Section:
         (_maps(setting, found), _rooms(setting, found), _why(setting, found)),
         (_answer(found),),
     )
-
-
-def judge(m: sm.OccupancyMap, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -> Judged:
-    """Return what the truth says of a map."""
-    score = sm.score_map(m, truth, observable=observable)
-    wall = truth.state == worlds.OCCUPIED
-    away_m = distance_transform_edt(~wall) * truth.grid.resolution_m
-    p = m.probability.clip(CLAMP, 1 - CLAMP)
-    bits = np.where(observable, 1 + np.log2(np.where(wall, p, 1 - p)), 0)
-    near = ~wall & (away_m <= _NEAR_WALL_M + 1e-9)
-    parts = (float(bits[cells].sum()) / score.cells for cells in (wall, near, ~wall & ~near))
-    return Judged(
-        score.map_score,
-        score.brier,
-        score.correlation,
-        score.f1(1),
-        score.phantom_m2,
-        score.false_free_m2,
-        *parts,
-    )
-
-
-def _judge_drive(task: tuple[Setting, str, int]) -> list[tuple[Judged, Judged]]:
-    log, truth, observable = usual_drive(*task)
-    return [
-        (
-            judge(sm.build_map(log, pair.standard, truth.grid), truth, observable),
-            judge(sm.build_map(log, pair.parameterized, truth.grid), truth, observable),
-        )
-        for pair in PAIRS
-    ]
-
-
-def differences(judged: Judgements, pair: int, name: str) -> Estimate:
-    """Return parameterised less standard of a score, paired by seed."""
-    return mean_of(
-        [getattr(drive[pair][1], name) - getattr(drive[pair][0], name) for drive in judged]
-    )
-
-
-def mean(judged: Judgements, pair: int, model: int, name: str) -> Estimate:
-    """Return the mean of a score over the seeds; model 0 is the standard one."""
-    return mean_of([getattr(drive[pair][model], name) for drive in judged])
-
-
-def verdicts(by_room: Mapping[str, Estimate], better: int, digits: int = 3) -> str:
-    """Return in which rooms a difference is better, worse or undecided, as a clause.
-
-    `better` is 1 if a positive difference is the better one, else -1.
-    """
-    clauses = []
-    for word, wanted in (("better", 1), ("worse", -1), ("undecided", 0)):
-        rooms = [
-            f"{room} {estimate.value:+.{digits}f}"
-            for room, estimate in by_room.items()
-            if estimate.sign * better == wanted
-        ]
-        if rooms:
-            clauses.append(f"{word} in {len(rooms)} of {len(by_room)} ({', '.join(rooms)})")
-    return ", ".join(clauses)
 
 
 def _maps(setting: Setting, found: Mapping[str, Judgements]) -> Item:
@@ -204,8 +59,10 @@ def _maps(setting: Setting, found: Mapping[str, Judgements]) -> Item:
     told = []
     for score_ in SCORES:
         difference = differences(judged, 0, score_.name)
-        word = {1: "better", -1: "worse", 0: "undecided"}[difference.sign * score_.better]
-        told.append(f"{word} by {score_.title} ({difference.text(3, score_.unit)})")
+        told.append(
+            f"{word(difference, score_.better)} by {score_.title} "
+            f"({difference.text(3, score_.unit)})"
+        )
     return Item(
         "Figure 5.8",
         "Maps of one room by the standard model (beta 15 degrees, tolerance 1 unit, maximum 0.98) "
@@ -239,7 +96,7 @@ def _rooms(setting: Setting, found: Mapping[str, Judgements]) -> Item:
                         mean(judged, index, 0, score.name).text(),
                         mean(judged, index, 1, score.name).text(),
                         difference.text(),
-                        {1: "better", -1: "worse", 0: "undecided"}[difference.sign * score.better],
+                        word(difference, score.better),
                     )
                 )
         tables.append(
@@ -276,7 +133,8 @@ def _rooms(setting: Setting, found: Mapping[str, Judgements]) -> Item:
         "The proposed model gives better results than the standard one with the same parameters, "
         "whether they are optimal or not.",
         f"With the parameters of figure 5.8 the parameterised model is better in {len(found)} "
-        f"rooms so often: {', '.join(counts)}; with P3 = {PAIRS[1].tolerance_m:g} m, {', '.join(finer)}.",
+        f"rooms so often: {', '.join(counts)}; with P3 = {PAIRS[1].tolerance_m:g} m, "
+        f"{', '.join(finer)}.",
         (
             setting.figure(
                 "differences",
@@ -293,7 +151,7 @@ def _why(setting: Setting, found: Mapping[str, Judgements]) -> Item:
     parts = [
         {
             title: {room: differences(judged, index, name) for room, judged in found.items()}
-            for name, title in _PARTS.items()
+            for name, title in PARTS.items()
         }
         for index in range(len(PAIRS))
     ]
@@ -316,7 +174,7 @@ def _why(setting: Setting, found: Mapping[str, Judgements]) -> Item:
             "phantom, parameterised, m²",
             "false-free, standard, m²",
             "false-free, parameterised, m²",
-            *(f"bits, {title}" for title in _PARTS.values()),
+            *(f"bits, {title}" for title in PARTS.values()),
         ),
         rows,
         "Area mapped wrongly, and where the difference of the Map Score comes from: parameterised "
@@ -327,7 +185,7 @@ def _why(setting: Setting, found: Mapping[str, Judgements]) -> Item:
         draw_differences(
             [(f"Map Score, bit, P3 = {pair.tolerance_m:g} m", 1) for pair in PAIRS],
             [list(by_title.values()) for by_title in parts],
-            list(_PARTS.values()),
+            list(PARTS.values()),
         ),
         "Where the difference of the Map Score (parameterised less standard) comes from: three "
         "kinds of cells that add up to it, with 95 % intervals",
@@ -360,21 +218,6 @@ def _of_the_models() -> str:
     return f"By the equations alone, {'; '.join(told)}."
 
 
-def contradictions(
-    model: sm.SensorModel, reading_m: float, tolerance_m: float
-) -> tuple[float, float]:
-    """Return the share of a cone's area before its hill above 0.5, and of the hill below 0.5."""
-    range_m, bearing = np.meshgrid(
-        np.linspace(0.0005, reading_m + tolerance_m, 801),
-        np.linspace(-model.half_angle_rad, model.half_angle_rad, 401),
-    )
-    p = probability(model, range_m, bearing, reading_m)
-    hill = range_m >= reading_m - tolerance_m
-    # A ring of the cone has an area that grows with its range.
-    before = float((range_m * (p > 0.5 + 1e-9))[~hill].sum() / range_m[~hill].sum())
-    return before, float((range_m * (p < 0.5 - 1e-9))[hill].sum() / range_m[hill].sum())
-
-
 def _example_areas(judged: Judgements) -> str:
     told = []
     for index, pair in enumerate(PAIRS):
@@ -385,8 +228,8 @@ def _example_areas(judged: Judgements) -> str:
         whole = differences(judged, index, "map_score")
         told.append(
             f"with P3 = {pair.tolerance_m:g} m a phantom area of {phantom[1]:.2f} against "
-            f"{phantom[0]:.2f} m², walls mapped as free {missed[1]:.2f} against {missed[0]:.2f} m², "
-            f"Map Score {whole.text(2, 'bit')}"
+            f"{phantom[0]:.2f} m², walls mapped as free {missed[1]:.2f} against "
+            f"{missed[0]:.2f} m², Map Score {whole.text(2, 'bit')}"
         )
     return f"{_EXAMPLE_ROOM}, parameterised against standard: {'; '.join(told)}."
 
