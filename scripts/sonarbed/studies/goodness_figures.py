@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 import worlds
@@ -49,7 +50,7 @@ def draw_chosen(
 ) -> Figure:
     """Draw the truth and the maps of the chosen sets."""
     cols = 4
-    figure, axes = figure_with(math.ceil((len(examples) + 1) / cols), cols, width=3.9, height=4.0)
+    figure, axes = figure_with(math.ceil((len(examples) + 1) / cols), cols, width=3.9, height=3.8)
     draw_truth(axes[0], truth, observable)
     for panel, example in zip(axes[1:], examples, strict=False):
         show_map(panel, example)
@@ -76,6 +77,7 @@ def draw_scatter(searches: Sequence[Search]) -> Figure:
                 lw=0,
             )
             axes.set_xlabel(measure.title)
+            axes.xaxis.set_major_locator(MaxNLocator(4))
             if row == 0:
                 axes.set_title(found.room, fontsize=10)
             if col == 0:
@@ -117,5 +119,5 @@ def draw_rankings(
     panels[0].invert_yaxis()
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(MEASURES), frameon=False)
-    figure.supxlabel("ranks against the truth  <-      ->  ranks as the truth does", fontsize=10)
+    figure.supxlabel("ranks against the truth  ←      →  ranks as the truth does", fontsize=10)
     return figure

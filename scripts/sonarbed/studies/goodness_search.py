@@ -29,6 +29,7 @@ __all__ = [
     "Search",
     "choices",
     "first_bar",
+    "judged",
     "mean_set",
     "parameters",
     "ranking",
@@ -242,8 +243,7 @@ def choices(found: Search) -> list[Choice]:
     """Return the sets that the thesis's rules and the true scores call the best in a room."""
     vsdns = found.mean("vsdns")
     average = mean_set([found.sets[i] for i in first_bar(vsdns).members])
-    averaged = values_of((found.room, found.runs, (average,)))[0]
-    chosen = [_choice(found, "VSDNS, mean of the first bar", average, averaged)]
+    chosen = [judged(found, "VSDNS, mean of the first bar", average)]
     for rule, index in (
         ("VSDNS, lowest", np.argmin(vsdns)),
         ("VSDNS, nearest to the mean", np.argmin(np.abs(vsdns - vsdns.mean()))),
@@ -255,6 +255,11 @@ def choices(found: Search) -> list[Choice]:
         values = np.stack([found.values[name][index] for name in COLUMNS], axis=-1)
         chosen.append(_choice(found, rule, found.sets[index], values))
     return chosen
+
+
+def judged(found: Search, rule: str, model: sm.ParameterizedModel) -> Choice:
+    """Return what any set is worth in a searched room, also one that was not searched."""
+    return _choice(found, rule, model, values_of((found.room, found.runs, (model,)))[0])
 
 
 def _choice(
@@ -284,7 +289,9 @@ def ranking(found: Search, measure: Measure, truth: Measure) -> Estimate:
     # Neighbouring pairs of seeds share a run. Values that share one of two independent runs
     # correlate with 0.5 at most, each with two others: that at most doubles the mean's variance.
     half = math.sqrt(2) * (estimate.high - estimate.value)
-    return Estimate(estimate.value, estimate.value - half, estimate.value + half)
+    low, high = estimate.value - half, estimate.value + half
+    # No correlation lies beyond 1.
+    return Estimate(estimate.value, *np.clip([low, high], -1, 1).tolist())
 
 
 def tendencies(found: Search) -> dict[str, dict[str, Estimate]]:
