@@ -90,7 +90,9 @@ def _histogram(setting: Setting, searches: Sequence[Search]) -> Item:
         "Figure 5.9",
         "VSDNS of 1440 parameter sets in 14 bins: from 0.054 to about 0.12, 'represents a normal "
         "distribution', the first bar from 0.054079 to 0.059045 with 28 sets.",
-        f"VSDNS of {len(searches[0].sets)} sets, mean over the drives: {'; '.join(told)}.{chance}",
+        f"VSDNS of {len(searches[0].sets)} sets, mean over the drives: {'; '.join(told)}. "
+        f"Between drives a set's VSDNS in {searches[0].room} varies by {between:.4f} (standard "
+        "deviation).",
         (
             setting.figure(
                 "histograms",

@@ -21,12 +21,18 @@ from sonarbed.studies.goodness_search import (
 )
 from sonarbed.studies.section import Item
 from sonarbed.studies.setting import Setting
-from sonarbed.studies.statistics import mean_of
+from sonarbed.studies.statistics import Estimate, mean_of
 from sonarbed.studies.two_models_figures import Example
 from sonarbed.studies.wording import verdicts
 from sonarmap.models import THESIS_UNIT_M
 
-__all__ = ["first_bar_item", "optimal_sets_item", "other_measures_item", "thesis_choices"]
+__all__ = [
+    "TABLE_5_2",
+    "first_bar_item",
+    "optimal_sets_item",
+    "other_measures_item",
+    "thesis_choices",
+]
 
 # Table 5.2: (P5, 2 P3, P2), each with the four values of P4.
 TABLE_5_2 = frozenset(
@@ -222,7 +228,7 @@ def _rows(choices: Choices) -> list[tuple[str, ...]]:
     ]
 
 
-def _gains(choices: Choices, index: int, before: int):
+def _gains(choices: Choices, index: int, before: int) -> dict[str, Estimate]:
     """Return the Map Score of a choice less that of another, paired by seed, by room."""
     return {
         room: mean_of(of_room[index].values["map_score"] - of_room[before].values["map_score"])
@@ -233,7 +239,7 @@ def _gains(choices: Choices, index: int, before: int):
 def _beaten(choices: Choices, indices: Sequence[int]) -> list[str]:
     """Return the shares of sets that are truly better than some choices, room by room."""
     return [
-        f"{room} {', '.join(f'{of_room[i].beaten_by["map_score"]:.0%}' for i in indices)}"
+        f"{room} " + ", ".join(f"{of_room[i].beaten_by['map_score']:.0%}" for i in indices)
         for room, of_room in choices.items()
     ]
 
