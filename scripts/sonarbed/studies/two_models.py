@@ -29,7 +29,7 @@ _EXAMPLE_ROOM = "thesis-exp1"
 
 def run(setting: Setting) -> Section:
     """Map every room with both models, and let the truth compare them."""
-    rooms = worlds.names()
+    rooms = _rooms_compared()
     tasks = [(setting.in_worker(), room, seed) for room in rooms for seed in setting.seeds]
     results = setting.map(judge_drive, tasks, "mapping every room with two models")
     n = len(setting.seeds)
@@ -40,6 +40,10 @@ def run(setting: Setting) -> Section:
         (_maps(setting, found), _rooms(setting, found), _why(setting, found)),
         (_answer(found),),
     )
+
+
+def _rooms_compared() -> tuple[str, ...]:
+    return tuple(worlds.names())
 
 
 def _maps(setting: Setting, found: Mapping[str, Judgements]) -> Item:
