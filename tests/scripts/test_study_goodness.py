@@ -1,9 +1,11 @@
 """Goodness of maps: the thesis's derivations on invented numbers, and one small run."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from support import make_log, random_truth
 
 import sonarmap as sm
 from sonarbed.studies import goodness_search as study
@@ -99,6 +101,18 @@ def test_tendencies_follow_the_parameter():
     leaning = tendencies(found(vsdns=np.transpose([[1, 2, 3], [1, 2, 3]])))
     assert leaning["P5"]["vsdns"].value == pytest.approx(1)
     assert leaning["P2"]["vsdns"].value == 0  # P2 is the same in all
+
+
+def test_cells_beyond_the_reach_of_every_set_are_not_scored():
+    log = make_log([1.0], truth=random_truth(np.random.default_rng(1), 1))
+    log = log.replace(truth=replace(log.truth, x_m=[0.5], y_m=[0.5], heading_rad=[0.0]))
+    grid = sm.GridSpec(1.0, (0.0, 0.0), (4, 4))
+    # Centres of cells, 1 m apart: 2 m ahead or beside are reached, 2 m and 1 m across are not.
+    assert draw_mask(study.within_reach(log, grid, 2.0)) == "....\n#...\n##..\n###.\n"
+
+
+def draw_mask(mask):
+    return "".join("".join(np.where(row, "#", ".")) + "\n" for row in mask[::-1])
 
 
 def test_quick_sets_span_what_all_sets_span():

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 import sonarmap as sm
 import worlds
@@ -37,12 +38,15 @@ __all__ = [
     "sets_of",
     "tendencies",
     "values_of",
+    "within_reach",
 ]
 
 ROOMS = ("thesis-exp1", "thesis-exp2", "office", "l-shape")
 # "Maximum considerable sensor range was 1 meter" (p. 41).
 RANGE_LIMIT_M = 1.0
 CELL_M = 0.05
+# 2 P3 is 3 units at most.
+_LARGEST_P3_M = 0.15
 BINS = 14
 
 
@@ -80,10 +84,10 @@ COLUMNS = tuple(measure.name for measure in (*MEASURES, *TRUTHS))
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A drive: its log (without the truth, which mapping does not need) and what was observable."""
+    """A drive: its log (without the truth, which mapping does not need) and the cells to score."""
 
     log: sm.SonarLog
-    observable: NDArray[np.bool_]
+    scored: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,8 +185,21 @@ def search(setting: Setting) -> list[Search]:
 
 
 def _drive(task: tuple[Setting, str, int]) -> Run:
-    log, _, observable = usual_drive(*task, resolution_m=CELL_M)
-    return Run(log.replace(truth=None), observable)
+    log, truth, observable = usual_drive(*task, resolution_m=CELL_M)
+    scored = observable & within_reach(log, truth.grid, RANGE_LIMIT_M + _LARGEST_P3_M)
+    return Run(log.replace(truth=None), scored)
+
+
+def within_reach(log: sm.SonarLog, grid: sm.GridSpec, reach_m: float) -> NDArray[np.bool_]:
+    """Return which cells have a sonar's true place within a distance of their centres.
+
+    Beyond the reach of every set there is nothing to tell the sets apart: such cells would only
+    dilute the scores.
+    """
+    there = np.ones(grid.shape, bool)
+    there[grid.cell_of(*log.at_true_poses().sensor_xy_m.T)] = False
+    near: NDArray[np.bool_] = distance_transform_edt(there) * grid.resolution_m <= reach_m + 1e-9
+    return near
 
 
 def values_of(
@@ -203,7 +220,7 @@ def values_of(
                 # The last seed's other run is the first one.
                 both = sm.goodness.compare_runs(built, made[(seed + 1) % len(runs)][0])
                 agreement, surplus = both.agreement, both.positive - both.negative
-            score = sm.score_map(built, truth, observable=runs[seed].observable)
+            score = sm.score_map(built, truth, observable=runs[seed].scored)
             values[row, seed] = (
                 spread.vsdns,
                 sm.goodness.map_derivative(built, updated=spread.updated),

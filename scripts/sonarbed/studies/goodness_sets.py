@@ -96,7 +96,8 @@ def optimal_sets_item(
             ("room", "best by", *_NAMES, *_WORTH),
             _rows(chosen),
             "The sets that each rule calls the best here (table 5.1, figures 5.10 to 5.12), and "
-            "what they are worth: observable cells, mean over the seeds",
+            "what they are worth: observable cells that a reading up to the limit can reach, mean over "
+            "the seeds",
         ),
         setting.table(
             "thesis-sets",
@@ -261,7 +262,7 @@ def _maps(setting: Setting, found: Search, chosen: Sequence[Choice]) -> tuple[st
         ("d: ", "e: ", "f: ", "5.11: ", "5.12: ", "", ""), chosen, strict=True
     ):
         built = sm.build_map(drive.log, choice.model, truth.grid, max_range_m=RANGE_LIMIT_M)
-        score = sm.score_map(built, truth, observable=drive.observable)
+        score = sm.score_map(built, truth, observable=drive.scored)
         title = (
             f"{letter}{choice.rule}\n{', '.join(_printed(choice.model))}\n"
             f"{score.map_score:.2f} bit, F1 = {score.f1(1):.2f}"
@@ -269,8 +270,8 @@ def _maps(setting: Setting, found: Search, chosen: Sequence[Choice]) -> tuple[st
         examples.append(Example(title, built))
     return setting.figure(
         f"chosen-{found.room}",
-        draw_chosen(truth, drive.observable, examples),
-        f"{found.room}, seed {setting.seeds[0]}: the truth (light: not observable) and the maps of "
+        draw_chosen(truth, drive.scored, examples),
+        f"{found.room}, seed {setting.seeds[0]}: the truth (light: not scored) and the maps of "
         "the sets that each rule calls the best; below the rule P1, P2, 2 P3, P4, P5 and the true "
         "scores of this map",
     )
