@@ -1,6 +1,7 @@
 """The two models compared: arithmetic on invented maps, and one small run."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -89,6 +90,15 @@ def test_only_the_standard_model_contradicts_itself():
     assert before == pytest.approx(0.311, abs=2e-3)
     assert 0.3 < hill < 0.7
     assert contradictions(sm.ParameterizedModel.thesis(), 1.5, 0.1) == (0, 0)
+
+
+def test_setting_for_a_task_pickles_and_works_alone(tmp_path):
+    told = []
+    setting = Setting(tmp_path, jobs=3, on_progress=lambda *what: told.append(what))
+    worker = pickle.loads(pickle.dumps(setting.in_worker()))
+    assert worker == Setting(tmp_path, jobs=1)
+    assert worker.map(abs, [-1, 2], "small") == [1, 2]
+    assert told == []
 
 
 class TinySetting(Setting):

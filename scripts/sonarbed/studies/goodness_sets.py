@@ -96,8 +96,8 @@ def optimal_sets_item(
             ("room", "best by", *_NAMES, *_WORTH),
             _rows(chosen),
             "The sets that each rule calls the best here (table 5.1, figures 5.10 to 5.12), and "
-            "what they are worth: observable cells that a reading up to the limit can reach, mean over "
-            "the seeds",
+            "what they are worth: observable cells that a reading up to the limit can reach, mean "
+            "over the seeds",
         ),
         setting.table(
             "thesis-sets",
