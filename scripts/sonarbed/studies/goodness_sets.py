@@ -132,7 +132,10 @@ def other_measures_item(chosen: Choices, printed: Choices) -> Item:
             f"{of_room[index].mean('map_score').text(2, 'bit')}"
             for room, of_room in chosen.items()
         )
-        for name, index in (("The lowest derivative", 3), ("positive less negative score", 4))
+        for name, index in (
+            ("The lowest derivative", 3),
+            ("The positive less the negative score of two runs", 4),
+        )
     ]
     best = [
         f"{room} {of_room[5].mean('map_score').text(2, 'bit')}" for room, of_room in chosen.items()

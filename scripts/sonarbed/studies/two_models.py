@@ -136,9 +136,9 @@ def _rooms(setting: Setting, found: Mapping[str, Judgements]) -> Item:
         "Figure 5.8 in every room",
         "The proposed model gives better results than the standard one with the same parameters, "
         "whether they are optimal or not.",
-        f"With the parameters of figure 5.8 the parameterised model is better in {len(found)} "
-        f"rooms so often: {', '.join(counts)}; with P3 = {PAIRS[1].tolerance_m:g} m, "
-        f"{', '.join(finer)}.",
+        f"Of {len(found)} rooms the parameterised model is better, with the parameters of figure "
+        f"5.8, in {', '.join(counts)}; with P3 = {PAIRS[1].tolerance_m:g} m, "
+        f"in {', '.join(finer)}.",
         (
             setting.figure(
                 "differences",
@@ -268,6 +268,6 @@ def _answer(found: Mapping[str, Judgements]) -> Answer:
         5,
         f"{lead}. With the parameters of figure 5.8 (P3 = {PAIRS[0].tolerance_m:g} m) the "
         f"parameterised model is, {'; '.join(told)} (differences to the standard model). With "
-        f"P3 = {PAIRS[1].tolerance_m:g} m for both it is better in so many of {len(found)} rooms: "
+        f"P3 = {PAIRS[1].tolerance_m:g} m for both it is better, of {len(found)} rooms, in "
         f"{', '.join(finer)}.",
     )
