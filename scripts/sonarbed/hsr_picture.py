@@ -53,7 +53,7 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
     updated = result.updated[judged]
     (x_min, y_min), (x_max, y_max) = _extent_m(before)
     # As high as the plan asks: axes of equal scale would leave a gap, or cover the titles.
-    height = _PANEL_IN * min((y_max - y_min) / (x_max - x_min), 1.5) + _TEXT_IN
+    height = _PANEL_IN * np.clip((y_max - y_min) / (x_max - x_min), 0.25, 1.5) + _TEXT_IN
     figure = Figure(figsize=(2 * _PANEL_IN + 1, height), layout="constrained")
     left, right = figure.subplots(1, 2, sharex=True, sharey=True)
     figure.suptitle(

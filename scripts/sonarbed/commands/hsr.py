@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sonarbed.options import Json
+from sonarbed.options import Json, Png, check_writable
 
 if TYPE_CHECKING:
     from sonarmap import HsrResult, ReadingScore, SonarLog
@@ -33,9 +33,7 @@ def hsr(
     ] = 0.06,
     cell: Annotated[float, typer.Option(help="Side of a cell of the grid ES, metres.")] = 0.01,
     max_passes: Annotated[int, typer.Option(help="Number of passes at most.")] = 20,
-    png: Annotated[
-        Path | None, typer.Option(help="Draw the data points before and after into this file.")
-    ] = None,
+    png: Png = None,
     as_json: Json = False,
 ) -> None:
     """Repair the specular readings of a log with HSR, the thesis's chapter 6.
@@ -43,7 +41,9 @@ def hsr(
     A short reading vouches for a piece of wall; a longer one that would have to pass through it is
     cut to it. The log stays as it is.
 
-    Example: sonarbed hsr drive.parquet --max-wall 0.19 --out drive-hsr.parquet --png hsr.png
+    Example, after `sonarbed simulate thesis-exp1 --out drive.parquet`:
+
+      sonarbed hsr drive.parquet --out hsr.parquet --png hsr.png
     """
     import sonarmap as sm
     from sonarbed.console import print_json, print_table, say
@@ -51,6 +51,8 @@ def hsr(
 
     if log.resolve() == out.resolve():
         raise InputError(f"--out must be another file than the log, got {str(out)!r}")
+    check_writable(out)
+    check_writable(png, ".png")
     before = sm.read_log(log)
     params = sm.HsrParams(
         min_wall_m=min_wall,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sonarbed.options import Json
+from sonarbed.options import Json, check_writable
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -64,7 +63,9 @@ def tune(
     They are tuned on the drives of some rooms and judged on those of others, beside the thesis's
     own. The study is kept: after an interruption the same command goes on.
 
-    Example: sonarbed tune --target both --sampler nsga2 --trials 400 --out tuned
+    Example:
+
+      sonarbed tune --target both --sampler nsga2 --out tuned
     """
     from sonarmap.errors import InputError
 
@@ -75,6 +76,7 @@ def tune(
         raise InputError(
             f"tune needs the package {error.name}: pip install 'sonarbed[tune]'"
         ) from None
+    from sonarbed.console import as_json as json_text
     from sonarbed.console import print_json, print_table, progress, say
     from sonarbed.tuning.judging import BEST, check_judges
     from sonarbed.tuning.judging import judge as judge_in
@@ -82,21 +84,18 @@ def tune(
     from sonarbed.tuning.search import Search, find
     from sonarbed.tuning.settings import TuneSettings
     from sonarbed.tuning.space import thesis_candidates
-    from sonarmap.files import atomic_path, make_folder
+    from sonarmap.files import atomic_path
 
     settings = TuneSettings(target, model, sampler, score, _rooms(train), seeds, scans, max_range)
     url = f"sqlite:///{(out / 'study.db').absolute()}" if storage is None else storage
     search = Search(settings, out, url, study_name, seed)
     judges = _rooms(judge)
     check_judges(search, judges)
-    make_folder(out)
     results, picture = out / "tune.json", out / "tune.png"
     for path in (results, picture):
-        # Found out before the search, not after it.
-        if path.is_dir():
-            raise InputError(f"{path}: is a folder, a file name is needed")
+        check_writable(path)
 
-    with progress(shown=not as_json) as bars:
+    with progress() as bars:
         tasks: dict[str, TaskID] = {}
 
         def show(label: str, done: int, total: int) -> None:
@@ -122,8 +121,7 @@ def tune(
         "judged": judged.to_dict(),
     }
     with atomic_path(results) as beside:
-        text = json.dumps(told, indent=2, allow_nan=False) + "\n"
-        beside.write_text(text, encoding="utf-8")
+        beside.write_text(json_text(told), encoding="utf-8")
     others = {name: mean for name, mean in training.mean.items() if name != BEST}
     draw_search(search, found.trials, found.best, others, picture)
     if as_json:
