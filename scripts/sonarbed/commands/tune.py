@@ -134,7 +134,9 @@ def tune(
     )
     for title, result in (("Tuned on", training), ("Judged on", judged)):
         print_table(
-            f"{title}: {score} (95 % over {seeds} seeds)", _header(result), _rows_of(result)
+            f"{title}: {score} (95 % over {seeds} seeds)",
+            ["", *result.places],
+            _rows_of(result),
         )
     say(f"Written: {results}, {picture}; the study: {search.shown_storage}")
 
@@ -152,24 +154,21 @@ def _parameters(told: dict[str, dict[str, Any]]) -> list[list[str]]:
     ]
 
 
-def _header(judged: Judged) -> list[str]:
-    names = list(judged.scores)
-    return ["room", *names, *(f"{names[0]} - {name}" for name in names[1:])]
-
-
 def _rows_of(judged: Judged) -> list[list[str]]:
-    names = list(judged.scores)
+    best, *others = judged.scores
     return [
-        [
-            place,
-            *(_short(judged.score(name, place)) for name in names),
-            *(_short(judged.gain(name, place)) for name in names[1:]),
-        ]
-        for place in judged.places
+        *(
+            [name, *(_short(judged.score(name, place)) for place in judged.places)]
+            for name in judged.scores
+        ),
+        *(
+            [f"{best} - {name}", *(_short(judged.gain(name, place)) for place in judged.places)]
+            for name in others
+        ),
     ]
 
 
 def _short(estimate: Estimate) -> str:
     # Student's interval is symmetric; there is none over one seed.
     half = estimate.high - estimate.value
-    return f"{estimate.value:.3f}" + (f" ± {half:.3f}" if math.isfinite(half) else "")
+    return f"{estimate.value:.3f}" + (f"±{half:.3f}" if math.isfinite(half) else "")

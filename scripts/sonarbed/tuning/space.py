@@ -123,7 +123,7 @@ def thesis_candidates(target: str, model: str) -> dict[str, Candidate]:
         return {"thesis": Candidate(thesis)}
     return {
         "thesis": Candidate(thesis, HsrParams.thesis(RING)),
-        "thesis without HSR": Candidate(thesis),
+        "no HSR": Candidate(thesis),
     }
 
 
