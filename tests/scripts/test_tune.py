@@ -1,7 +1,14 @@
 """`sonarbed tune`: searches that resume, judge fairly, and refuse what does not belong."""
 
 import json
+import os
 import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -168,6 +175,41 @@ def test_the_seed_decides(folder):
     assert of("c", 4) != of("a", 3)
 
 
+def test_ctrl_c_reaches_every_process(folder):
+    line = f"tune --out {folder} {OPTIONS.replace('--jobs 1', '--jobs 2')} --trials 3000"
+    command = subprocess.Popen(
+        [sys.executable, "-m", "sonarbed", *line.split()],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    search, database = search_in(folder), f"file:{folder}/study.db?mode=ro"
+
+    def finished():
+        # Without Optuna, which would make its tables at the same time as the command.
+        with (
+            suppress(sqlite3.OperationalError),
+            closing(sqlite3.connect(database, uri=True)) as study,
+        ):
+            return study.execute("SELECT count(*) FROM trial_values").fetchone()[0]
+        return 0
+
+    deadline = time.monotonic() + 60
+    while finished() < 3:
+        assert command.poll() is None, command.stderr.read()
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    os.killpg(command.pid, signal.SIGINT)  # as a terminal does
+    out, err = command.communicate(timeout=30)
+    assert (command.returncode, out) == (130, "")
+    assert err == "sonarbed: interrupted; what was finished is kept\n"
+    # What was being made is finished or nothing, and the search goes on from there.
+    kept = optuna.load_study(study_name="tune", storage=search.storage).trials
+    assert {trial.state.name for trial in kept} == {"COMPLETE"}
+    assert len(find(search, trials=len(kept) + 1, on_progress=ignore).trials) == len(kept) + 1
+
+
 @pytest.mark.parametrize("sampler", ["nsga2", "tpe", "cmaes"])
 def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
     monkeypatch.setattr(searching, "_POPULATION", 3)
@@ -328,7 +370,7 @@ def test_a_full_disk_is_one_line_and_keeps_the_finished_trials(folder, refused, 
 
 @pytest.mark.parametrize("package", ["optuna", "cmaes"])
 def test_a_missing_package_is_one_line(refused, monkeypatch, package):
-    monkeypatch.setitem(__import__("sys").modules, package, None)
+    monkeypatch.setitem(sys.modules, package, None)
     assert refused("tune") == f"tune needs the package {package}: pip install 'sonarbed[tune]'"
 
 
