@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from sonarmap.errors import InputError, non_negative, positive
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
-from sonarmap.rings import SonarRing
+from sonarmap.rings import AMIGOBOT, SonarRing
 
 __all__ = [
     "EstimatedWalls",
@@ -118,6 +118,15 @@ class HsrParams:
         if passes != int(passes):
             raise InputError(f"max_passes must be a whole number, got {self.max_passes!r}")
         object.__setattr__(self, "max_passes", int(passes))
+
+    @classmethod
+    def thesis(cls, ring: SonarRing = AMIGOBOT) -> HsrParams:
+        """Return the thesis's setting for a ring: walls of 20 to 150 mm, no threshold, 60 mm.
+
+        Table 6.1 gives 20 mm and 110 to 190 mm for the walls of experiment 1, where every reading
+        up to the ring's maximum range may vouch; 60 mm is the target distance of section 6.3.
+        """
+        return cls(0.02, 0.15, ring.range_max_m, 0.06)
 
 
 @dataclass(frozen=True, eq=False)

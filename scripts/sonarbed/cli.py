@@ -10,11 +10,13 @@ import typer
 from typer.exceptions import TyperException
 
 from sonarbed.commands.demo import demo
+from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
 from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
+from sonarbed.commands.tune import tune
 from sonarbed.commands.worlds import worlds
 
 __all__ = ["app", "main"]
@@ -25,7 +27,7 @@ BAD_INPUT, INTERRUPTED = 2, 130
 app = typer.Typer(
     name="sonarbed",
     help="Sonar mapping for small robots, judged by ground truth.",
-    epilog="World -> drive -> log -> map -> score: each is a file to stop at and start from.",
+    epilog="World -> drive -> log (-> HSR) -> map -> score: each is a file to start from.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -36,8 +38,10 @@ app.command()(demo)
 app.command()(worlds)
 app.command()(simulate)
 app.command("import")(import_)
+app.command()(hsr)
 app.command("map")(map_)
 app.command()(score)
+app.command()(tune)
 app.command()(thesis)
 
 

@@ -19,7 +19,7 @@ import sonarmap as sm
 import worlds
 from sonarmap.files import atomic_path
 
-__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world"]
+__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world", "plan", "save"]
 
 # Okabe and Ito's palette: told apart by colour-blind people too.
 CAUSE_COLOURS = {
@@ -65,7 +65,7 @@ def draw_world(world: worlds.World, path: Path) -> None:
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
     figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
-    _save(figure, path)
+    save(figure, path)
 
 
 def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
@@ -77,7 +77,7 @@ def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
     axes.plot(log.x_m[0], log.y_m[0], "o", color=_PATH, ms=6, label="start")
     figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     figure.colorbar(axes.images[0], ax=axes, shrink=0.7, label="P(occupied)")
-    _save(figure, path)
+    save(figure, path)
 
 
 def draw_demo(
@@ -89,10 +89,12 @@ def draw_demo(
     rows: Sequence[Sequence[str]],
     path: Path,
 ) -> None:
-    """Draw the room, its data points by cause, the truth beside two maps, and the scores."""
-    figure = Figure(figsize=(15, 9), layout="constrained")
+    """Draw the room, its data points by cause, the truth beside three maps, and the scores."""
+    figure = Figure(figsize=(18, 9), layout="constrained")
     figure.suptitle(f"{world.title}: {len(log)} readings of {len(log.ring)} sonars", fontsize=13)
-    (room, points, table), (true, *mapped) = figure.subplots(2, 3)
+    panels = figure.subplot_mosaic([["room", "points", "table", "table"], ["true", *maps]])
+    room, points, true = panels["room"], panels["points"], panels["true"]
+    mapped = [panels[name] for name in maps]
     log_truth = log.require_truth("the picture")
 
     _room(room, world)
@@ -107,23 +109,24 @@ def draw_demo(
     points.set_title("data points by cause (strokes: no echo)")
     _legend_below(points)
 
-    _table(table, ["", *maps], rows)
+    _table(panels["table"], ["", *maps], rows)
 
     _truth(true, truth, observable)
     true.set_title("truth (light: never observable)")
     for axes, (name, built) in zip(mapped, maps.items(), strict=True):
         _map(axes, built)
-        axes.set_title(f"{name} model")
+        axes.set_title(name)
     figure.colorbar(mapped[-1].images[0], ax=mapped, shrink=0.8, label="P(occupied)")
 
     left, right, bottom, top = truth.grid.extent_m
     for axes in (room, points, true, *mapped):
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
-    _save(figure, path)
+    save(figure, path)
 
 
-def _save(figure: Figure, path: Path) -> None:
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure; an older file is replaced only when all is written."""
     with atomic_path(path) as beside:
         figure.savefig(beside, dpi=_DPI, format="png")
 
@@ -137,7 +140,8 @@ def _plan_figure(width_m: float, height_m: float) -> tuple[Figure, Axes]:
     return figure, figure.subplots()
 
 
-def _plan(axes: Axes) -> None:
+def plan(axes: Axes) -> None:
+    """Make axes a plan in metres."""
     axes.set_aspect("equal")
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
@@ -175,7 +179,7 @@ def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None
     x_min, y_min, x_max, y_max = world.bounds_m
     axes.set_xlim(x_min, x_max)
     axes.set_ylim(y_min, y_max)
-    _plan(axes)
+    plan(axes)
 
 
 def _shades(world: worlds.World) -> dict[str, str]:
@@ -230,7 +234,7 @@ def _truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -
     axes.imshow(
         shown, cmap=colours, vmin=-0.5, vmax=5.5, origin="lower", extent=truth.grid.extent_m
     )
-    _plan(axes)
+    plan(axes)
 
 
 def _map(axes: Axes, built: sm.OccupancyMap) -> None:
@@ -243,7 +247,7 @@ def _map(axes: Axes, built: sm.OccupancyMap) -> None:
         extent=built.grid.extent_m,
         interpolation="nearest",
     )
-    _plan(axes)
+    plan(axes)
 
 
 def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
@@ -253,7 +257,7 @@ def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> 
         colLabels=list(header),
         loc="center",
         cellLoc="right",
-        colWidths=[0.44, 0.26, 0.30],
+        colWidths=[0.31, *[0.23] * (len(header) - 1)],
         edges="horizontal",
     )
     for row in range(len(rows) + 1):

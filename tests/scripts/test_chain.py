@@ -13,7 +13,12 @@ from sonarbed.console import score_rows
 
 pytestmark = pytest.mark.engine
 
-MODELS = ("standard", "parameterized")
+# The demo's maps: the folder, the name in the scores.
+DEMO_MAPS = {
+    "standard": "standard",
+    "parameterized": "parameterized",
+    "parameterized-hsr": "parameterized + HSR",
+}
 
 
 def is_a_picture(path):
@@ -138,8 +143,9 @@ def test_demo_writes_the_files_it_promises(run, tmp_path):
     table = run("demo --scans 12 --seed 2 --out demo")
     folder = tmp_path / "demo"
     files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    maps = {f"map-{name}/map.{kind}" for name in MODELS for kind in ("npz", "pgm", "yaml")}
-    assert files == {"log.parquet", "truth.npz", "scores.json", "demo.png", *maps}
+    maps = {f"map-{name}/map.{kind}" for name in DEMO_MAPS for kind in ("npz", "pgm", "yaml")}
+    logs = {"log.parquet", "log-hsr.parquet"}
+    assert files == {*logs, "truth.npz", "scores.json", "demo.png", *maps}
     assert is_a_picture(folder / "demo.png")
 
     world = worlds.load("thesis-exp1")
@@ -147,12 +153,14 @@ def test_demo_writes_the_files_it_promises(run, tmp_path):
     sim.simulate(world, scans=12, seed=2).write("again.parquet")
     assert (folder / "log.parquet").read_bytes() == (tmp_path / "again.parquet").read_bytes()
     scores = json.loads((folder / "scores.json").read_text())
-    assert list(scores) == sorted(MODELS)
+    assert list(scores) == sorted(DEMO_MAPS.values())
+    mended = sm.hsr(log, sm.HsrParams.thesis()).log
+    np.testing.assert_array_equal(sm.read_log(folder / "log-hsr.parquet").range_m, mended.range_m)
     truth = worlds.truth(world)
     with np.load(folder / "truth.npz") as saved:
         np.testing.assert_array_equal(saved["state"], truth.state)
-    for name, score in scores.items():
-        built = sm.OccupancyMap.load(folder / f"map-{name}")
+    for place, name in DEMO_MAPS.items():
+        score, built = scores[name], sm.OccupancyMap.load(folder / f"map-{place}")
         again = sm.score_map(built, truth, observable=truth.observable(log))
         assert score == json.loads(json.dumps(again.to_dict()))
         assert f"{score['brier']:.3f}" in table

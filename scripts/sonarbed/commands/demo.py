@@ -16,9 +16,10 @@ def demo(
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
 ) -> None:
-    """Drive in a room, map it with both sensor models, score and picture the maps.
+    """Drive in a room, run HSR, map with both sensor models, score and picture the maps.
 
-    Writes the log, the truth, both maps, scores.json and demo.png into one folder.
+    Writes the log before and after HSR, the truth, the maps of both models and of the log after
+    HSR, scores.json and demo.png into one folder.
 
     Example:
 
@@ -37,11 +38,13 @@ def demo(
         driving = bars.add_task("driving, scans", total=scans)
         log = sim.simulate(room, scans=scans, seed=seed, on_scan=lambda scan: bars.advance(driving))
         bars.add_task("mapping, scoring, drawing", total=None)
+        mended = sm.hsr(log, sm.HsrParams.thesis(log.ring)).log
         truth = worlds.truth(room)
         observable = truth.observable(log)
         maps = {
             "standard": sm.build_map(log, sm.StandardModel.thesis(), truth.grid),
             "parameterized": sm.build_map(log, sm.ParameterizedModel.thesis(), truth.grid),
+            "parameterized + HSR": sm.build_map(mended, sm.ParameterizedModel.thesis(), truth.grid),
         }
         scores = {
             name: sm.score_map(built, truth, observable=observable).to_dict()
@@ -51,11 +54,15 @@ def demo(
 
         # Written when all is computed: an interrupted demo does not mix with an older one.
         log.write(folder / "log.parquet")
+        mended.write(folder / "log-hsr.parquet")
         truth.save(folder)
         for name, built in maps.items():
-            built.save(folder / f"map-{name}")
+            built.save(folder / f"map-{name.lower().replace(' + ', '-')}")
         with atomic_path(folder / "scores.json") as path:
             path.write_text(as_json(scores), encoding="utf-8")
         draw_demo(room, log, truth, observable, maps, rows, folder / "demo.png")
     print_table(f"{room.name}, {scans} scans: maps against the truth", ["score", *maps], rows)
-    say(f"Written to {folder}/: log.parquet, truth.npz, map-*/, scores.json, demo.png")
+    say(
+        f"Written to {folder}/: log.parquet, log-hsr.parquet, truth.npz, map-*/, scores.json, "
+        "demo.png"
+    )

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 import sonarmap as sm
 import worlds
+from sim.batch import deaf_children
 from sonarmap.errors import InputError
 from sonarmap.files import atomic_path, make_folder
 
@@ -158,13 +159,15 @@ class Setting:
             with ProcessPoolExecutor(
                 min(self.jobs, len(tasks)), mp_context=context, initializer=quiet_worker
             ) as pool:
-                futures = {pool.submit(function, task): i for i, task in enumerate(tasks)}
                 try:
+                    with deaf_children():
+                        futures = {pool.submit(function, task): i for i, task in enumerate(tasks)}
                     for future in as_completed(futures):
                         results[futures[future]] = future.result()
                         self.on_progress(label, len(results), len(tasks))
                 except BaseException:
-                    pool.shutdown(wait=False, cancel_futures=True)
+                    # It waits, for leaving the block would call what is cancelled back to work.
+                    pool.shutdown(cancel_futures=True)
                     raise
         return [results[index] for index in range(len(tasks))]
 

@@ -1,0 +1,157 @@
+"""`sonarbed hsr`: specular readings repaired."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from sonarbed.options import Json, Png, check_writable
+
+if TYPE_CHECKING:
+    from sonarmap import HsrResult, ReadingScore, SonarLog
+
+__all__ = ["hsr"]
+
+
+def hsr(
+    log: Annotated[Path, typer.Argument(help="The log (Parquet).")],
+    out: Annotated[Path, typer.Option(help="The updated log to write (Parquet).")],
+    min_wall: Annotated[
+        float, typer.Option(help="Estimated wall of the nearest reading, metres.")
+    ] = 0.02,
+    max_wall: Annotated[
+        float, typer.Option(help="Estimated wall of the farthest reading, metres.")
+    ] = 0.15,
+    threshold: Annotated[
+        float | None,
+        typer.Option(help="Readings up to it vouch for a wall, metres; default the ring's limit."),
+    ] = None,
+    target_distance: Annotated[
+        float, typer.Option(help="A mark this near to a data point changes nothing, metres.")
+    ] = 0.06,
+    cell: Annotated[float, typer.Option(help="Side of a cell of the grid ES, metres.")] = 0.01,
+    max_passes: Annotated[int, typer.Option(help="Number of passes at most.")] = 20,
+    png: Png = None,
+    as_json: Json = False,
+) -> None:
+    """Repair the specular readings of a log with HSR, the thesis's chapter 6.
+
+    A short reading vouches for a piece of wall; a longer one that would have to pass through it is
+    cut to it. The log stays as it is.
+
+    Example, after `sonarbed simulate thesis-exp1 --out drive.parquet`:
+
+      sonarbed hsr drive.parquet --out hsr.parquet --png hsr.png
+    """
+    import sonarmap as sm
+    from sonarbed.console import print_json, print_table, say
+    from sonarmap.errors import InputError
+
+    if log.resolve() == out.resolve():
+        raise InputError(f"--out must be another file than the log, got {str(out)!r}")
+    check_writable(out)
+    check_writable(png, ".png")
+    before = sm.read_log(log)
+    params = sm.HsrParams(
+        min_wall_m=min_wall,
+        max_wall_m=max_wall,
+        threshold_m=before.ring.range_max_m if threshold is None else threshold,
+        target_distance_m=target_distance,
+        cell_m=cell,
+        max_passes=max_passes,
+    )
+    result = sm.hsr(before, params)
+    score = None if before.truth is None else sm.score_readings(before, result.log)
+    result.log.write(out)
+    if png is not None:
+        from sonarbed.hsr_picture import draw_hsr
+
+        draw_hsr(before, result, params, png)
+    facts = _facts(before, result)
+    if as_json:
+        about = {"file": str(out), **facts, "score": None if score is None else score.to_dict()}
+        print_json(about)
+        return
+    print_table(f"HSR: {log}", ["what changed", "value"], _changes(facts))
+    if score is not None:
+        print_table("Readings by truth", ["readings", "wrong", "right"], _judged(score))
+    say(f"Written: {out}")
+    if png is not None:
+        say(f"Drawn: {png}")
+
+
+def _facts(before: SonarLog, result: HsrResult) -> dict[str, Any]:
+    import numpy as np
+
+    had_echo = result.updated & np.isfinite(before.range_m)
+    shortened_m = before.range_m[had_echo] - result.log.range_m[had_echo]
+    return {
+        "parameters": result.log.provenance["hsr"][-1],
+        "readings": len(before),
+        "updated": int(result.updated.sum()),
+        "updated_without_echo": int((result.updated & ~had_echo).sum()),
+        "updates_per_pass": list(result.updates_per_pass),
+        "rejected_updates": result.rejected_updates,
+        "stopped": str(result.stopped),
+        "median_shortening_m": float(np.median(shortened_m)) if shortened_m.size else None,
+    }
+
+
+def _changes(facts: dict[str, Any]) -> list[list[str]]:
+    passes = facts["updates_per_pass"]
+    shortening_m = facts["median_shortening_m"]
+    rows = [
+        ["readings", str(facts["readings"])],
+        ["updated", f"{facts['updated']} ({facts['updated'] / facts['readings']:.1%})"],
+        ["  of these without echo before", str(facts["updated_without_echo"])],
+        ["median shortening, of echoes", "-" if shortening_m is None else f"{shortening_m:.3f} m"],
+        *([f"updated in pass {n}", str(count)] for n, count in enumerate(passes, 1)),
+    ]
+    if facts["rejected_updates"] is not None:
+        rows.append(
+            [f"not kept: pass {len(passes) + 1} would update", str(facts["rejected_updates"])]
+        )
+    return [*rows, ["stopped", facts["stopped"]]]
+
+
+def _judged(score: ReadingScore) -> list[list[str]]:
+    told = score.to_dict()
+    counts = told["counts"]
+
+    def of(part: str, whole: str) -> str:
+        share = counts[part] / counts[whole] if counts[whole] else None
+        return str(counts[part]) if share is None else f"{counts[part]} ({share:.1%})"
+
+    def error(group: str, key: str) -> str:
+        before, after = (told["errors"][group][when]["cone"] for when in ("before", "after"))
+        if key == "median_m":
+            return " to ".join("-" if e[key] is None else f"{e[key]:.3f}" for e in (before, after))
+        return " to ".join(
+            "-" if e["beyond"][1][key] is None else f"{e['beyond'][1][key]:.1%}"
+            for e in (before, after)
+        )
+
+    def share(name: str) -> str:
+        return "-" if told[name] is None else f"{told[name]:.1%}"
+
+    return [
+        ["number", str(counts["wrong"]), str(counts["right"])],
+        ["updated", of("wrong_updated", "wrong"), of("right_updated", "right")],
+        ["mended (wrong, now within 0.1 m)", of("mended", "wrong"), ""],
+        ["spoiled (right, now beyond 0.1 m)", "", of("spoiled", "right")],
+        ["precision of the updates", share("precision"), ""],
+        ["recall of the updates", share("recall"), ""],
+        [
+            "median error, before to after, m",
+            *(error(group, "median_m") for group in ("wrong", "right")),
+        ],
+        *(
+            [
+                f"{name} by more than 0.3 m",
+                *(error(group, key) for group in ("wrong", "right")),
+            ]
+            for name, key in (("too long", "share_too_long"), ("too short", "share_too_short"))
+        ),
+    ]
