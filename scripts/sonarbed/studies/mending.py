@@ -16,7 +16,7 @@ from sonarbed.studies.places import Place, places_of
 from sonarbed.studies.statistics import Estimate, mean_of
 from sonarmap.reading_scores import Against, When
 
-__all__ = ["Counts", "Mending", "MendingTask", "mended", "share_over_drives"]
+__all__ = ["Counts", "Mending", "MendingTask", "heard_on_axis", "mended", "share_over_drives"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +65,8 @@ class Mending:
         New data points of the mended and spoiled readings, at the true poses.
     is_mended : ndarray of bool, shape (n,)
         Which of these were mended.
-    without_off_axis : Counts
-        Of the other readings, when no reading that was heard off the axis takes part in HSR.
+    on_axis : Counts
+        Of the other readings, when none that was heard off the axis takes part in HSR.
     """
 
     all: Counts
@@ -75,7 +75,7 @@ class Mending:
     errors: dict[str, tuple[float, ...]]
     points_m: NDArray[np.float64]
     is_mended: NDArray[np.bool_]
-    without_off_axis: Counts
+    on_axis: Counts
 
 
 @dataclass(frozen=True)
@@ -112,17 +112,24 @@ def mended(task: MendingTask) -> Mending:
         errors=errors,
         points_m=repaired.at_true_poses().point_xy_m[changed],
         is_mended=score.is_mended[changed],
-        without_off_axis=_without_off_axis(log, task.params),
+        on_axis=_counts_on_axis(log, task.params),
     )
 
 
-def _without_off_axis(log: sm.SonarLog, params: sm.HsrParams) -> Counts:
-    """Return what HSR would do if no reading were heard off the axis: it puts no point before a wall."""
-    off_axis = log.require_truth("the study of readings").cause == sm.Cause.OFF_AXIS
-    # Too close takes no part in HSR; the positions of robot and sonar stay.
-    silenced = log.replace(range_m=np.where(off_axis, -np.inf, log.range_m))
-    score = sm.score_readings(silenced, sm.hsr(silenced, params).log)
-    return Counts.of(score, ~off_axis)
+def heard_on_axis(log: sm.SonarLog) -> sm.SonarLog:
+    """Return the log as if no echo came from off the axis: such readings take no part.
+
+    What a filter does to this log tells what the width of the cone has to do with it. The
+    positions of robot and sonar stay.
+    """
+    off_axis = log.require_truth("a log without off-axis echoes").cause == sm.Cause.OFF_AXIS
+    return log.replace(range_m=np.where(off_axis, -np.inf, log.range_m))
+
+
+def _counts_on_axis(log: sm.SonarLog, params: sm.HsrParams) -> Counts:
+    heard = heard_on_axis(log)
+    score = sm.score_readings(heard, sm.hsr(heard, params).log)
+    return Counts.of(score, score.cause != sm.Cause.OFF_AXIS)
 
 
 def share_over_drives(counts: Sequence[Counts], part: str, whole: str) -> Estimate:
