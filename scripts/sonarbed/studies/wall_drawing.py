@@ -7,12 +7,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 import sonarmap as sm
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.free_space import plotted_points
 from sonarbed.studies.plans import draw_cells, draw_map, draw_outline, draw_points
 from sonarbed.studies.statistics import mean_of
+from sonarbed.studies.wall_findings import SCORE
 from sonarbed.studies.wall_pairs import Experiment, in_table_6_1, pair_name
 from sonarbed.studies.wall_sweep import Room, Sweep
 
@@ -22,8 +24,11 @@ __all__ = ["heat_maps", "maps", "openings"]
 _SHOWN = (
     ("map_score ignore", "Map Score, no echo ignored", 1.0, "bit a cell"),
     ("map_score clear", "Map Score, no echo clears", 1.0, "bit a cell"),
+    ("f1 clear", "F1 within 10 cm, no echo clears", 100.0, "percentage points"),
     ("points f1", "plotted data points, F1 within 10 cm", 100.0, "percentage points"),
 )
+# How far around the drive the pictures reach: a little more than both rooms do.
+_AROUND_M = 1.1
 
 
 def heat_maps(sweeps: Mapping[str, Sweep]) -> Figure:
@@ -64,7 +69,7 @@ def _heat_map(axes: Axes, sweep: Sweep, measure: str, factor: float, unit: str) 
     colours.ax.tick_params(labelsize=7)
 
 
-def _border(axes: Axes, inside: np.ndarray) -> None:
+def _border(axes: Axes, inside: NDArray[np.bool_]) -> None:
     """Draw the line between the cells inside of a region and the others."""
     padded = np.pad(inside, 1)
     for row, col in np.argwhere(padded[:, 1:] != padded[:, :-1]):
@@ -76,9 +81,9 @@ def _border(axes: Axes, inside: np.ndarray) -> None:
 def maps(experiment: Experiment, room: Room, log: sm.SonarLog, sweep: Sweep) -> Figure:
     """Draw the truth, the map without HSR, and maps after HSR with several pairs.
 
-    The upper half shows maps (no echo ignored), the lower one the data points as plotted.
+    The upper half shows maps (no echo clears), the lower one the data points as plotted.
     """
-    best = sweep.pairs[sweep.best("map_score ignore")]
+    best = sweep.pairs[sweep.best(SCORE)]
     largest = sweep.pairs[-1]
     chosen = {
         experiment.thesis: "the thesis's",
@@ -104,8 +109,8 @@ def _panels(
     logs: Mapping[str, sm.SonarLog],
     draw: Callable[[Axes, Room, sm.SonarLog], None],
 ) -> None:
-    x_min, y_min = np.min([log.sensor_xy_m.min(axis=0)], axis=0) - 1.3
-    x_max, y_max = np.max([log.sensor_xy_m.max(axis=0)], axis=0) + 1.3
+    x_min, y_min = log.sensor_xy_m.min(axis=0) - _AROUND_M
+    x_max, y_max = log.sensor_xy_m.max(axis=0) + _AROUND_M
     draw_cells(axes[0], room.truth)
     axes[0].set_title("truth", fontsize=9)
     for panel, (name, shown) in zip(axes[1:], logs.items(), strict=False):
@@ -118,7 +123,7 @@ def _panels(
 
 
 def _draw_map(axes: Axes, room: Room, log: sm.SonarLog) -> None:
-    draw_map(axes, room.map_of(log, "ignore"))
+    draw_map(axes, room.map_of(log, "clear"))
 
 
 def _draw_plot(axes: Axes, room: Room, log: sm.SonarLog) -> None:
@@ -140,7 +145,9 @@ def openings(experiment: Experiment, sweep: Sweep) -> Figure:
     for axes in (left, right):
         axes.set_xlabel("max wall, mm (dotted: without HSR)")
         axes.set_ylim(-2, 102)
-        axes.legend(fontsize=8, frameon=False)
+        axes.legend(
+            fontsize=8, frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0)
+        )
     return figure
 
 
