@@ -70,11 +70,14 @@ class PointShares:
     ----------
     near : float
         Share of the points within 0.1 m of a surface.
+    beyond : float
+        Share of the points that lie farther than that behind a surface, outside of the room.
     shown : float
         Share of the observable occupied cells with a point within 0.1 m of the centre.
     """
 
     near: float
+    beyond: float
     shown: float
 
     @property
@@ -114,5 +117,7 @@ def score_points(
     from scipy.spatial import KDTree  # loaded only when points are judged
 
     near = space.distance_m(points_m) <= NEAR_M
+    shapely.prepare(space.polygon)
+    beyond = ~near & ~shapely.contains_xy(space.polygon, points_m)
     shown = KDTree(points_m).query(surface_cells_m, distance_upper_bound=NEAR_M)[0] <= NEAR_M
-    return PointShares(float(near.mean()), float(shown.mean()))
+    return PointShares(float(near.mean()), float(beyond.mean()), float(shown.mean()))

@@ -30,7 +30,7 @@ def effect(experiment: Experiment, sweep: Sweep) -> str:
     clear, ignore = (sweep.change(f"map_score {policy}", pair) for policy in ("clear", "ignore"))
     raised, lowered = _decided(sweep, SCORE)
     f1 = sweep.change("f1 clear", pair)
-    near_before, near_after = before_after(sweep, "points near", pair)
+    near, beyond = (before_after(sweep, f"points {what}", pair) for what in ("near", "beyond"))
     return (
         f"At {pair_name(pair)} HSR {_verb(clear)} the Map Score where no echo clears its cone: "
         f"{clear.text(2)} bit a cell from {sweep.before[SCORE].mean():.2f} (no echo ignored: "
@@ -38,8 +38,9 @@ def effect(experiment: Experiment, sweep: Sweep) -> str:
         f"{len(sweep.pairs)} pairs {raised.sum()} raise it and {lowered.sum()} lower it; the best, "
         f"{pair_name(best)}, gives {sweep.change(SCORE, best).text(2)}. The map's F1 within 10 cm "
         f"{_moves(f1)} ({f1.text(2)} from {sweep.before['f1 clear'].mean():.2f}). Of the data "
-        f"points, plotted as the thesis plots them, {percent(near_before)} lie within 0.1 m of a "
-        f"surface before and {percent(near_after)} after."
+        f"points, plotted as the thesis plots them, {percent(beyond[0])} lie outside of the room "
+        f"before and {percent(beyond[1])} after, which looks tidy; within 0.1 m of a surface lie "
+        f"{percent(near[0])} before and {percent(near[1])} after."
     )
 
 

@@ -34,19 +34,16 @@ from sonarbed.studies.wall_sweep import POLICIES, Room, Sweep, SweepTask, swept
 
 __all__ = ["run"]
 
-_FIGURES = {
-    1: (
-        "Figure 6.15",
-        "Experiment 1, no opening, Rth = Rmax: without HSR nothing of the room can be recognised; "
-        "20-120 mm looks close to the room, 10-30 mm is too small, 30-140 mm too large, yet every "
-        "one of them is better than none.",
-    ),
-    2: (
-        "Figure 6.16",
-        "Experiment 2, openings of 80 cm, Rth = 800 mm: 10-80 mm works best; smaller walls mend "
-        "less, larger ones add noise in the openings; all but one setting look better than no HSR.",
-    ),
-}
+_FIGURE_6_15 = (
+    "Experiment 1, no opening, Rth = Rmax: without HSR nothing of the room can be recognised; "
+    "20-120 mm looks close to the room, 10-30 mm is too small, 30-140 mm too large, yet every one "
+    "of them is better than none."
+)
+_FIGURE_6_16 = (
+    "Experiment 2, openings of 80 cm, Rth = 800 mm: 10-80 mm works best; smaller walls mend less, "
+    "larger ones add noise in the openings; all but one setting look better than no HSR."
+)
+_FIGURES = {1: ("Figure 6.15", _FIGURE_6_15), 2: ("Figure 6.16", _FIGURE_6_16)}
 # Figure 6.16 speaks of these sizes of the largest wall, millimetres.
 _BANDS = ((0, 79), (80, 80), (81, 110), (111, 170), (171, 200), (201, 1000))
 _PAIR_MEASURES = (SCORE, "map_score ignore", "f1 clear", "f1 ignore", "points f1")
@@ -68,7 +65,10 @@ def run(setting: Setting) -> Section:
         found.append(sweeps)
     first, second = found
     items.insert(1, _table_6_1(setting, first))
-    where = f"Room 1. {region(first[WHOLE])} Room 2. {region(second[WHOLE])}"
+    # The item tells of the plotted points too; they lie in the plane, not in a map.
+    of_maps = (SCORE, "f1 clear")
+    in_1, in_2 = (region(sweeps[WHOLE], measures=of_maps) for sweeps in (first, second))
+    where = f"Room 1. {in_1} Room 2. {in_2}"
     title = "HSR: the sizes of estimated walls (section 6.4)"
     return Section("wall_sizes", title, tuple(items), (*answers, Answer(3, where)))
 

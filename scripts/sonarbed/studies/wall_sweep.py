@@ -189,6 +189,7 @@ def _measures(
     readings = sm.score_readings(log, repaired)
     return told | {
         "points near": shares.near,
+        "points beyond": shares.beyond,
         "points shown": shares.shown,
         "points f1": shares.f1,
         "mended": readings.mended_share,
