@@ -14,13 +14,17 @@ from sonarbed.studies.free_space import FreeSpace
 
 __all__ = ["draw_cells", "draw_map", "draw_outline", "draw_points"]
 
-_SURFACE = COLOURS[1]
 
-
-def draw_outline(axes: Axes, space: FreeSpace, bounds_m: tuple[float, float, float, float]) -> None:
+def draw_outline(
+    axes: Axes,
+    space: FreeSpace,
+    bounds_m: tuple[float, float, float, float],
+    *,
+    colour: str = COLOURS[1],
+) -> None:
     """Draw the surfaces of a room, and show the part of the plane within the bounds."""
     for ring in (space.polygon.exterior, *space.polygon.interiors):
-        axes.plot(*np.array(ring.coords).T, color=_SURFACE, lw=0.8)
+        axes.plot(*np.array(ring.coords).T, color=colour, lw=0.8)
     x_min, y_min, x_max, y_max = bounds_m
     axes.set_xlim(x_min, x_max)
     axes.set_ylim(y_min, y_max)
