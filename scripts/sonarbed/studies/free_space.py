@@ -19,6 +19,7 @@ __all__ = ["NEAR_M", "FreeSpace", "PointShares", "plotted_points", "score_points
 NEAR_M = 0.1
 # A pillar's outline turns by less from side to side: its vertices are no corners.
 _LEAST_TURN_RAD = math.radians(20)
+_TOUCHING_M = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,23 +30,27 @@ class FreeSpace:
     ----------
     polygon : shapely.Polygon
         The part of the plane without solids that holds the robot's start.
+    surfaces : shapely.Geometry
+        Its border, but for where only the room's bounds end it.
     """
 
     polygon: shapely.Polygon
+    surfaces: shapely.Geometry
 
     @classmethod
     def of(cls, world: worlds.World) -> FreeSpace:
         """Return the free space of a room."""
         solids = shapely.union_all([solid.outline for solid in world.solids])
-        empty = shapely.difference(shapely.box(*world.bounds_m), solids)
+        bounds = shapely.box(*world.bounds_m)
         start = shapely.Point(world.start.x_m, world.start.y_m)
-        return cls(next(part for part in shapely.get_parts(empty) if part.contains(start)))
+        parts = shapely.get_parts(shapely.difference(bounds, solids))
+        polygon = next(part for part in parts if part.contains(start))
+        return cls(polygon, shapely.difference(polygon.boundary, bounds.boundary))
 
     def distance_m(self, xy_m: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distance of points to the nearest surface, metres; (n, 2) to (n,)."""
-        surfaces = self.polygon.boundary
-        shapely.prepare(surfaces)
-        distance: NDArray[np.float64] = shapely.distance(surfaces, shapely.points(xy_m))
+        shapely.prepare(self.surfaces)
+        distance: NDArray[np.float64] = shapely.distance(self.surfaces, shapely.points(xy_m))
         return distance
 
     @property
@@ -59,7 +64,9 @@ class FreeSpace:
             heading = np.arctan2(ahead[:, 1], ahead[:, 0])
             turn = np.angle(np.exp(1j * (heading - np.roll(heading, 1))))
             corners.append(xy[np.abs(turn) > _LEAST_TURN_RAD])
-        return np.vstack(corners)
+        found = np.vstack(corners)
+        # The corners of the room's bounds are none.
+        return found[self.distance_m(found) < _TOUCHING_M]
 
 
 @dataclass(frozen=True, slots=True)

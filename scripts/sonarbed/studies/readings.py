@@ -23,6 +23,7 @@ from sonarbed.studies.wall_pairs import EXPERIMENTS, Experiment
 __all__ = ["run"]
 
 _GREEN, _VERMILION = COLOURS[2], COLOURS[1]
+_AROUND_M = 0.6
 
 
 @dataclass(frozen=True)
@@ -175,7 +176,12 @@ def _picture(rooms: Mapping[str, Sequence[Mending]]) -> Figure:
     figure, axes = figure_with(2, (len(rooms) + 1) // 2, width=7.0, height=5.2)
     for panel, (room, drives) in zip(axes, rooms.items(), strict=False):
         world, drive = worlds.load(room), drives[0]
-        draw_outline(panel, FreeSpace.of(world), world.bounds_m, colour="#444444")
+        low, high = np.reshape(world.bounds_m, (2, 2))
+        if len(drive.points_m):
+            # Only where something changed: a room may be much wider than the drive.
+            low = np.maximum(low, drive.points_m.min(axis=0) - _AROUND_M)
+            high = np.minimum(high, drive.points_m.max(axis=0) + _AROUND_M)
+        draw_outline(panel, FreeSpace.of(world), (*low, *high), colour="#444444")
         for colour, is_kind, name in (
             (_GREEN, drive.is_mended, "mended"),
             (_VERMILION, ~drive.is_mended, "spoiled"),
