@@ -10,6 +10,7 @@ import sonarmap as sm
 from sonarbed.studies import wall_sizes
 from sonarbed.studies.free_space import FreeSpace, plotted_points, score_points
 from sonarbed.studies.setting import Setting
+from sonarbed.studies.wall_findings import runs_of
 from sonarbed.studies.wall_pairs import EXPERIMENTS, Opening, in_table_6_1, pair_name, wall_pairs
 from sonarbed.studies.wall_sweep import Sweep, opening_shares
 
@@ -126,6 +127,14 @@ def test_changes_are_means_over_drives_and_the_best_pair_has_the_highest():
     assert sweep.best("score") in (0, 2)
     # 0.2 less in both drives is decided, 0.01 less and 0.01 more is not.
     assert sweep.as_good_as_best("score").tolist() == [True, False, True]
+
+
+def test_runs_of_helpful_walls_end_where_a_pair_does_not_help():
+    pairs = ((10, 20), (10, 30), (10, 40), (10, 50), (20, 20))
+    after = np.array([[0.2, 0.3, -0.1, 0.2, -0.1], [0.3, 0.4, -0.2, 0.3, -0.2]])
+    sweep = Sweep(pairs, {"score": np.zeros(4)}, {"score": np.array([*after, *after])})
+    assert runs_of(sweep, "score", 10) == [(20, 30), (50, 50)]
+    assert runs_of(sweep, "score", 20) == []
 
 
 @pytest.mark.engine

@@ -5,30 +5,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
-from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.free_space import NEAR_M, FreeSpace, plotted_points
-from sonarbed.studies.plans import draw_outline, draw_points
+from sonarbed.studies.point_drawing import (
+    SONAR,
+    es_picture,
+    estimated_walls,
+    plot,
+    scan_picture,
+)
 from sonarbed.studies.section import Item, Section
 from sonarbed.studies.setting import Setting
 from sonarbed.studies.statistics import mean_of
-from sonarbed.studies.wall_pairs import TARGET_DISTANCE_M
-from sonarmap.hsr import NO_ECHO_M, EstimatedWalls, Mark, estimate_variant_walls
+from sonarmap.hsr import NO_ECHO_M, EstimatedWalls, Mark
 
 __all__ = ["Shares", "run", "shares_near"]
 
 _ROOM = "thesis-exp1"
-# Figure 6.6: minWallSize 40 mm, maxWallSize 150 mm, Rth = Rmax.
-_MIN_WALL_M, _MAX_WALL_M = 0.04, 0.15
-# One sonar and every fifth scan: more would hide one wall behind the next.
-_SONAR, _EVERY = 1, 5
-_PATH, _SONAR_COLOUR, _READING, _WALL = COLOURS[0], COLOURS[5], COLOURS[1], COLOURS[4]
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +51,7 @@ def run(setting: Setting) -> Section:
     """Plot the readings of drives in the first room and the walls HSR estimates from them."""
     logs = setting.logs(_ROOM)
     space = FreeSpace.of(worlds.load(_ROOM))
-    shares = [shares_near(log, space, _walls(log)) for log in logs]
+    shares = [shares_near(log, space, estimated_walls(log)) for log in logs]
     items = (
         _one_scan(setting, logs[0], space),
         _all_points(setting, logs[0], space, shares),
@@ -80,11 +76,6 @@ def shares_near(log: sm.SonarLog, space: FreeSpace, es: EstimatedWalls) -> Share
 
 def _share(those: NDArray[np.bool_]) -> float:
     return float(those.mean()) if those.size else float("nan")
-
-
-def _walls(log: sm.SonarLog) -> EstimatedWalls:
-    params = sm.HsrParams(_MIN_WALL_M, _MAX_WALL_M, log.ring.range_max_m, TARGET_DISTANCE_M)
-    return estimate_variant_walls(log, params)
 
 
 def _one_scan(setting: Setting, log: sm.SonarLog, space: FreeSpace) -> Item:
@@ -116,7 +107,7 @@ def _one_scan(setting: Setting, log: sm.SonarLog, space: FreeSpace) -> Item:
         (
             setting.figure(
                 "scan",
-                _scan_picture(scan, points_m, space),
+                scan_picture(scan, points_m, space),
                 "One scan at its odometry; no echo would be drawn at 5.000 m, out of the picture",
             ),
         ),
@@ -136,18 +127,6 @@ def _one_scan(setting: Setting, log: sm.SonarLog, space: FreeSpace) -> Item:
             ),
         ),
     )
-
-
-def _scan_picture(scan: sm.SonarLog, points_m: NDArray[np.float64], space: FreeSpace) -> Figure:
-    figure, (axes,) = figure_with(width=6.2, height=5.2)
-    for sensor_m, point_m in zip(scan.sensor_xy_m[scan.range_m != -np.inf], points_m, strict=True):
-        axes.plot(*np.transpose([sensor_m, point_m]), color="#999999", lw=0.8)
-    axes.plot(*points_m.T, "o", color=_READING, ms=5, label="data point")
-    axes.plot(*scan.sensor_xy_m.T, "s", color=_SONAR_COLOUR, ms=4, label="sonar")
-    axes.plot(scan.x_m, scan.y_m, "^", color=_PATH, ms=7, label="robot")
-    draw_outline(axes, space, _bounds(space), colour="#444444")
-    _legend(axes)
-    return figure
 
 
 def _all_points(setting: Setting, log: sm.SonarLog, space: FreeSpace, shares: list[Shares]) -> Item:
@@ -175,7 +154,7 @@ def _all_points(setting: Setting, log: sm.SonarLog, space: FreeSpace, shares: li
         (
             setting.figure(
                 "map-s",
-                _plot(log, space),
+                plot(log, space),
                 "S of one drive: left all of it, no echo at 5.000 m; right the room",
             ),
         ),
@@ -188,18 +167,6 @@ def _all_points(setting: Setting, log: sm.SonarLog, space: FreeSpace, shares: li
             ),
         ),
     )
-
-
-def _plot(log: sm.SonarLog, space: FreeSpace) -> Figure:
-    figure, panels = figure_with(1, 2, width=5.8, height=5.4)
-    points_m = plotted_points(log)
-    around = (*(points_m.min(axis=0) - 0.2), *(points_m.max(axis=0) + 0.2))
-    for axes, bounds_m in zip(panels, (around, _bounds(space)), strict=True):
-        draw_points(axes, points_m, colour=_READING, label="data points")
-        axes.plot(log.x_m, log.y_m, color=_PATH, lw=1.2, label="robot's trajectory")
-        draw_outline(axes, space, bounds_m, colour="#000000")
-        _legend(axes)
-    return figure
 
 
 def _estimated_walls(
@@ -217,54 +184,9 @@ def _estimated_walls(
         (
             setting.figure(
                 "es",
-                _es_picture(log, space),
-                f"ES of sonar {_SONAR}, every fifth scan; right: a part of it, cell by cell "
+                es_picture(log, space),
+                f"ES of sonar {SONAR}, every fifth scan; right: a part of it, cell by cell "
                 "(cells of 1 cm)",
             ),
         ),
-    )
-
-
-def _es_picture(log: sm.SonarLog, space: FreeSpace) -> Figure:
-    chosen = log.select((log.sonar == _SONAR) & (log.scan % _EVERY == 0))
-    es = _walls(chosen)
-    layers = (
-        (_WALL, "estimated wall", _cells_with(es, Mark.WALL)),
-        (_READING, "reading", _cells_with(es, Mark.READING)),
-        (_SONAR_COLOUR, "sonar", chosen.sensor_xy_m),
-        (_PATH, "robot", np.column_stack([chosen.x_m, chosen.y_m])),
-    )
-    # The part to look at closely is about the middle one of the readings with an echo.
-    heard_m = chosen.point_xy_m[np.isfinite(chosen.range_m)]
-    x_m, y_m = heard_m[len(heard_m) // 2]
-    close = (x_m - 0.3, y_m - 0.3, x_m + 0.3, y_m + 0.3)
-    figure, panels = figure_with(1, 2, width=5.8, height=5.4)
-    for axes, bounds_m, size in zip(panels, (_bounds(space), close), (2.0, 7.0), strict=True):
-        for colour, label, xy_m in layers:
-            axes.plot(*xy_m.T, "s", ms=size, color=colour, label=label, mew=0, rasterized=True)
-        draw_outline(axes, space, bounds_m, colour="#000000")
-        _legend(axes)
-    panels[0].add_patch(
-        Rectangle((x_m - 0.3, y_m - 0.3), 0.6, 0.6, fill=False, color="#000000", ls=":")
-    )
-    return figure
-
-
-def _cells_with(es: EstimatedWalls, mark: Mark) -> NDArray[np.float64]:
-    return np.column_stack(es.grid.centre_of(*np.nonzero(es.marks == mark)))
-
-
-def _bounds(space: FreeSpace) -> tuple[float, float, float, float]:
-    x_min, y_min, x_max, y_max = space.polygon.bounds
-    return x_min - 0.3, y_min - 0.3, x_max + 0.3, y_max + 0.3
-
-
-def _legend(axes: Axes) -> None:
-    axes.legend(
-        fontsize=8,
-        frameon=False,
-        ncols=4,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        markerscale=1.5,
     )

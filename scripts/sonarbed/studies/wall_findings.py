@@ -8,10 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonarbed.studies.statistics import Estimate, mean_of
-from sonarbed.studies.wall_pairs import Experiment, Pair, in_table_6_1, pair_name
+from sonarbed.studies.wall_pairs import TABLE_6_1, Experiment, Pair, in_table_6_1, pair_name
 from sonarbed.studies.wall_sweep import Sweep
 
-__all__ = ["ON_AXIS", "SCORE", "WHOLE", "cause", "effect", "openings_kept", "region"]
+__all__ = [
+    "ON_AXIS",
+    "SCORE",
+    "WHOLE",
+    "border",
+    "cause",
+    "effect",
+    "openings_kept",
+    "region",
+    "runs_of",
+]
 
 # The sweeps of an experiment: of the drives as they are, and as if no echo came from off the axis.
 WHOLE, ON_AXIS = "all readings", "no off-axis echoes"
@@ -79,6 +89,32 @@ def region(sweep: Sweep, *, measures: tuple[str, ...] = tuple(_MEASURES)) -> str
             f"{_lead(sweep, measure, inside)}"
         )
     return " ".join(told)
+
+
+def runs_of(sweep: Sweep, measure: str, low: int) -> list[tuple[int, int]]:
+    """Return the runs of max walls, for one min wall, that are better than no HSR."""
+    changes = sweep.changes(measure)
+    runs: list[tuple[int, int]] = []
+    previous = False
+    for (smallest, largest), change in zip(sweep.pairs, changes, strict=True):
+        if smallest != low:
+            continue
+        helps = change.sign > 0
+        if helps:
+            runs = [*runs[:-1], (runs[-1][0], largest)] if previous else [*runs, (largest,) * 2]
+        previous = helps
+    return runs
+
+
+def border(sweep: Sweep, measure: str = "points f1") -> str:
+    """Return where the first run of helpful max walls ends, beside the end of the thesis's."""
+    told = []
+    for low, (_, most) in TABLE_6_1.items():
+        if low not in {smallest for smallest, _ in sweep.pairs}:
+            continue
+        runs = runs_of(sweep, measure, low)
+        told.append(f"{low}: {runs[0][1] if runs else 'none'} (thesis {most})")
+    return f"Min wall, and the largest max wall up to which HSR helps, mm: {', '.join(told)}."
 
 
 def openings_kept(experiment: Experiment, sweep: Sweep) -> str:

@@ -16,10 +16,12 @@ from sonarbed.studies.wall_findings import (
     ON_AXIS,
     SCORE,
     WHOLE,
+    border,
     cause,
     effect,
     openings_kept,
     region,
+    runs_of,
 )
 from sonarbed.studies.wall_pairs import (
     EXPERIMENTS,
@@ -153,12 +155,15 @@ def _table_6_1(setting: Setting, sweeps: Mapping[str, Sweep]) -> Item:
             continue
         good = (_range_of(sweep, of_low & sweep.as_good_as_best(name)) for name in measures)
         means = (_mean_change(sweep, of_low & side) for side in (inside, ~inside))
-        rows.append((low, f"{least}-{most}", *good, *means))
+        alone = runs_of(sweeps[ON_AXIS], "points f1", low)
+        runs = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in alone)
+        rows.append((low, f"{least}-{most}", *good, *means, runs))
     return Item(
         "Table 6.1",
         "Good sizes, min: max wall in mm: 10: 160-200, 20: 110-190, 30: 50-110, 40: 50-100, "
         "50: 60-90, 60: 70-80, 70: 80.",
-        f"{region(sweep)} Without off-axis echoes: {region(sweeps[ON_AXIS])}",
+        f"{region(sweep)} Without off-axis echoes: {region(sweeps[ON_AXIS])} "
+        f"By the plotted points: {border(sweeps[ON_AXIS])}",
         tables=(
             setting.table(
                 "table-6-1",
@@ -170,6 +175,7 @@ def _table_6_1(setting: Setting, sweeps: Mapping[str, Sweep]) -> Item:
                     "best by plotted points",
                     "mean change of Map Score in the thesis's range, bit",
                     "and outside of it, bit",
+                    "without off-axis echoes, better than no HSR by plotted points",
                 ),
                 rows,
                 "Best: the max walls, mm, not decidedly worse than the sweep's best pair (empty: "
