@@ -134,9 +134,12 @@ def _counts_on_axis(log: sm.SonarLog, params: sm.HsrParams) -> Counts:
 
 def share_over_drives(counts: Sequence[Counts], part: str, whole: str) -> Estimate:
     """Return the mean share of one count in another over drives; drives without are left out."""
-    return mean_of(
+    share = mean_of(
         [
             getattr(each, part) / getattr(each, whole) if getattr(each, whole) else np.nan
             for each in counts
         ]
     )
+    # Student's interval does not know that a share ends at 0 and 1.
+    low, high = (float(np.clip(bound, 0, 1)) for bound in (share.low, share.high))
+    return Estimate(share.value, low, high)

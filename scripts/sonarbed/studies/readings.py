@@ -188,14 +188,15 @@ def _picture(rooms: Mapping[str, Sequence[Mending]]) -> Figure:
         ):
             label = f"{name}: {is_kind.sum()}"
             draw_points(panel, drive.points_m[is_kind], colour=colour, label=label)
-        panel.set_title(room, fontsize=10)
+        # Above the room, where no label of the axes comes in its way whatever its shape.
         panel.legend(
+            title=room,
             fontsize=8,
             markerscale=5,
             frameon=False,
             ncols=2,
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.13),
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
         )
     return figure
 
