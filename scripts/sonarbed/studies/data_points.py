@@ -178,9 +178,9 @@ def _estimated_walls(
         "Figure 6.6",
         "ES of one sonar with walls of 40 to 150 mm, Rth = 3000 mm: robot, sonar, readings and "
         "walls, which grow with the reading.",
-        f"{walls.text(1, '%', factor=100)} of the cells of estimated walls (all sonars, each cell once) lie within "
-        f"0.1 m of a surface, against {echoes.text(1, '%', factor=100)} of the data points of an "
-        "echo around which they stand.",
+        f"{walls.text(1, '%', factor=100)} of the cells of estimated walls (all sonars, "
+        "each cell counted once) lie within 0.1 m of a surface, against "
+        f"{echoes.text(1, '%', factor=100)} of the data points of an echo around which they stand.",
         (
             setting.figure(
                 "es",
