@@ -10,7 +10,7 @@ import sonarmap as sm
 from sonarbed.studies import wall_sizes
 from sonarbed.studies.free_space import FreeSpace, plotted_points, score_points
 from sonarbed.studies.setting import Setting
-from sonarbed.studies.wall_findings import runs_of
+from sonarbed.studies.wall_findings import border, runs_of
 from sonarbed.studies.wall_pairs import EXPERIMENTS, Opening, in_table_6_1, pair_name, wall_pairs
 from sonarbed.studies.wall_sweep import Sweep, opening_shares
 
@@ -135,6 +135,8 @@ def test_runs_of_helpful_walls_end_where_a_pair_does_not_help():
     sweep = Sweep(pairs, {"score": np.zeros(4)}, {"score": np.array([*after, *after])})
     assert runs_of(sweep, "score", 10) == [(20, 30), (50, 50)]
     assert runs_of(sweep, "score", 20) == []
+    # The border is the end of the run that begins with the least max wall.
+    assert "10: 30 (thesis 200), 20: none (thesis 190)." in border(sweep, "score")
 
 
 @pytest.mark.engine

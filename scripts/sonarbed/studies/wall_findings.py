@@ -64,12 +64,12 @@ def cause(experiment: Experiment, sweeps: Mapping[str, Sweep]) -> str:
     score, phantom = (on_axis.change(name, pair) for name in (SCORE, "phantom_m2 clear"))
     return (
         f"It mends {percent(mended)} of the wrong readings and spoils {percent(spoiled)} of the "
-        "right ones. An echo from off the axis puts its data point before the wall, where it cuts "
-        "other readings: without such echoes the share spoiled is "
-        f"{percent(spoiled_on_axis)}, and {percent(near_before)} of the data points near a surface "
-        f"become {percent(near_after)}. Even then the Map Score {_moves(score)} "
-        f"({score.text(2)} bit): each mended reading is mapped over the whole cone, and the area "
-        f"of phantom walls {_moves(phantom)} ({phantom.text(2)} m²)."
+        "right ones. The data point of an echo from off the axis stands before the wall that the "
+        f"axis meets; without such echoes {percent(spoiled_on_axis)} are spoiled, and the data "
+        f"points near a surface go from {percent(near_before)} to {percent(near_after)}. The Map "
+        f"Score of these drives {_moves(score)} ({score.text(2)} bit), and the area of phantom "
+        f"walls {_moves(phantom)} ({phantom.text(2)} m²): a reading is mapped over the whole cone, "
+        "mended or not."
     )
 
 
@@ -107,14 +107,19 @@ def runs_of(sweep: Sweep, measure: str, low: int) -> list[tuple[int, int]]:
 
 
 def border(sweep: Sweep, measure: str = "points f1") -> str:
-    """Return where the first run of helpful max walls ends, beside the end of the thesis's."""
+    """Return up to which max wall HSR helps, from the least on, beside the end of table 6.1."""
     told = []
     for low, (_, most) in TABLE_6_1.items():
-        if low not in {smallest for smallest, _ in sweep.pairs}:
+        highs = [high for smallest, high in sweep.pairs if smallest == low]
+        if not highs:
             continue
         runs = runs_of(sweep, measure, low)
-        told.append(f"{low}: {runs[0][1] if runs else 'none'} (thesis {most})")
-    return f"Min wall, and the largest max wall up to which HSR helps, mm: {', '.join(told)}."
+        helps = bool(runs) and runs[0][0] == min(highs)
+        told.append(f"{low}: {runs[0][1] if helps else 'none'} (thesis {most})")
+    return (
+        "Min wall, and the max wall up to which HSR helps from the least one on, mm: "
+        f"{', '.join(told)}."
+    )
 
 
 def openings_kept(experiment: Experiment, sweep: Sweep) -> str:
