@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import sonarmap as sm
-from sim.batch import deaf_children
+from sim.parallel import deaf_children
 
 SONARBED = [sys.executable, "-m", "sonarbed"]
 INTERRUPTED = "sonarbed: interrupted; what was finished is kept\n"

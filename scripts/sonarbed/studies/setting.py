@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import multiprocessing
-import signal
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -17,11 +14,11 @@ from matplotlib.figure import Figure
 
 import sonarmap as sm
 import worlds
-from sim.batch import deaf_children
+from sim.parallel import run_all
 from sonarmap.errors import InputError
 from sonarmap.files import atomic_path, make_folder
 
-__all__ = ["Setting", "quiet_worker"]
+__all__ = ["Setting"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -150,25 +147,13 @@ class Setting:
         """
         results: dict[int, Result] = {}
         self.on_progress(label, 0, len(tasks))
-        if self.jobs == 1 or len(tasks) == 1:
-            for index, task in enumerate(tasks):
-                results[index] = function(task)
-                self.on_progress(label, index + 1, len(tasks))
-        else:
-            context = multiprocessing.get_context("spawn")
-            with ProcessPoolExecutor(
-                min(self.jobs, len(tasks)), mp_context=context, initializer=quiet_worker
-            ) as pool:
-                try:
-                    with deaf_children():
-                        futures = {pool.submit(function, task): i for i, task in enumerate(tasks)}
-                    for future in as_completed(futures):
-                        results[futures[future]] = future.result()
-                        self.on_progress(label, len(results), len(tasks))
-                except BaseException:
-                    # It waits, for leaving the block would call what is cancelled back to work.
-                    pool.shutdown(cancel_futures=True)
-                    raise
+        run_all(
+            function,
+            tasks,
+            results,
+            jobs=self.jobs,
+            on_done=lambda index: self.on_progress(label, len(results), len(tasks)),
+        )
         return [results[index] for index in range(len(tasks))]
 
     def figure(self, name: str, figure: Figure, caption: str) -> tuple[str, str]:
@@ -191,11 +176,6 @@ class Setting:
             writer.writerow(header)
             writer.writerows(rows)
         return file, caption
-
-
-def quiet_worker() -> None:
-    """Leave Ctrl-C to the parent process, which stops its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)
