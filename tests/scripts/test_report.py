@@ -262,7 +262,7 @@ def test_map_of_nothing_is_nothing(setting):
 
 def test_logs_of_other_rooms_are_other_files(setting, monkeypatch):
     asked = []
-    monkeypatch.setattr(setting_module, "_simulated", lambda task: asked.append(task[0].name))
+    monkeypatch.setattr(setting_module, "_simulate", lambda task: asked.append(task[0].name))
     monkeypatch.setattr(setting_module.sm, "read_log", lambda path: path)
     for gap_m in (0.8, 0.80000001):
         setting.logs(

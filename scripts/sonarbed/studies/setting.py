@@ -134,8 +134,11 @@ class Setting:
             )
             for seed in (self.seeds if seeds is None else seeds)
         ]
-        tasks = [(self.folder / "logs" / drive.file, drive) for drive in drives]
-        return [sm.read_log(path) for path in self.map(_simulated, tasks, f"driving in {room}")]
+        files = [self.folder / "logs" / drive.file for drive in drives]
+        missing = [task for task in zip(files, drives, strict=True) if not task[0].exists()]
+        if missing:
+            self.map(_simulate, missing, f"driving in {room}")
+        return [sm.read_log(file) for file in files]
 
     def map(
         self, function: Callable[[Task], Result], tasks: Sequence[Task], label: str
@@ -197,18 +200,16 @@ class _Drive:
         return "-".join([self.room, *values, *made]) + ".parquet"
 
 
-def _simulated(task: tuple[Path, _Drive]) -> Path:
-    """Return the file of a drive, made if it is not there yet."""
-    path, drive = task
-    if not path.exists():
-        import sim  # the simulator: loaded only when a drive is missing
+def _simulate(task: tuple[Path, _Drive]) -> None:
+    """Simulate a drive into its file."""
+    import sim  # the simulator: loaded only when a drive is missing
 
-        log = sim.simulate(
-            worlds.load(drive.room, **dict(drive.parameters)),
-            scans=drive.scans,
-            seed=drive.seed,
-            driver=drive.driver,
-            sonar=drive.sonar,
-        )
-        log.write(path)
-    return path
+    path, drive = task
+    log = sim.simulate(
+        worlds.load(drive.room, **dict(drive.parameters)),
+        scans=drive.scans,
+        seed=drive.seed,
+        driver=drive.driver,
+        sonar=drive.sonar,
+    )
+    log.write(path)
