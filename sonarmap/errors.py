@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # a message needs no numpy, and the command line's help none either
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = [
     "InputError",
@@ -63,7 +65,7 @@ def within(name: str, value: float, low: float, high: float) -> float:
 def first_row(name: str, bad: NDArray[np.bool_], values: NDArray[np.generic], rule: str) -> None:
     """Raise `InputError` for the first row marked in `bad`, naming the row and its value."""
     if bad.any():
-        row = int(np.argmax(bad))
+        row = int(bad.argmax())
         raise InputError(f"{name}[{row}] must be {rule}, got {values[row]}")
 
 

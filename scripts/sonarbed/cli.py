@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import typer
 from typer.exceptions import TyperException
@@ -18,6 +20,7 @@ from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
 from sonarbed.commands.worlds import worlds
+from sonarmap.errors import InputError
 
 __all__ = ["app", "main"]
 
@@ -49,7 +52,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; errors are one line on standard error."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        code = app(arguments, prog_name="sonarbed", standalone_mode=False)
+        with _terminated_like_interrupted():
+            code = app(arguments, prog_name="sonarbed", standalone_mode=False)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
         # Now, not when Python ends: a full disk or a closed pipe is found out here.
@@ -68,14 +72,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         _drop_output()
         return _fail(f"{error.filename or 'output'}: {error.strerror or error}")
-    except ValueError as error:
-        # Imported late: it loads numpy, and help must be quick.
-        from sonarmap.errors import InputError
-
-        if not isinstance(error, InputError):
-            raise
+    except InputError as error:
         return _fail(str(error))
     return code if isinstance(code, int) else 0
+
+
+@contextmanager
+def _terminated_like_interrupted() -> Iterator[None]:
+    """Take SIGTERM as Ctrl-C, so that worker processes end with this one."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _fail(message: str, code: int = BAD_INPUT) -> int:

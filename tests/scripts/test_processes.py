@@ -52,8 +52,18 @@ def is_alive(group):
     return True
 
 
-def interrupt(arguments, *, when):
-    """Send Ctrl-C to a command and its group, as a terminal does, once `when` is true."""
+def ctrl_c(command):
+    """Interrupt a command and its group, as a terminal does."""
+    os.killpg(command.pid, signal.SIGINT)
+
+
+def terminate(command):
+    """End a command by its number, as a supervisor does; its workers hear nothing."""
+    os.kill(command.pid, signal.SIGTERM)
+
+
+def interrupt(arguments, *, when, how=ctrl_c):
+    """Interrupt a command once `when` is true, and wait until nobody of its group is left."""
     command = subprocess.Popen(
         [*SONARBED, *arguments.split()],
         stdout=subprocess.PIPE,
@@ -66,7 +76,7 @@ def interrupt(arguments, *, when):
         assert command.poll() is None, command.stderr.read()
         assert time.monotonic() < deadline
         time.sleep(0.02)
-    os.killpg(command.pid, signal.SIGINT)
+    how(command)
     out, err = command.communicate(timeout=60)
     while is_alive(command.pid):  # nobody of the group is left behind
         assert time.monotonic() < deadline
@@ -89,11 +99,13 @@ def test_ctrl_c_in_a_drive_keeps_the_older_log(tmp_path):
 
 
 @pytest.mark.engine
-def test_ctrl_c_in_many_drives_keeps_what_is_finished(tmp_path):
+@pytest.mark.parametrize("how", [ctrl_c, terminate])
+def test_interrupting_many_drives_keeps_what_is_finished(tmp_path, how):
     folder = tmp_path / "logs"
     code, out, err = interrupt(
         "simulate thesis-exp1 --scans 40 --seed 0:500 --jobs 2 --out logs",
         when=lambda: any(folder.glob("seed-*.parquet")),
+        how=how,
     )
     assert (code, out, err) == (130, "", INTERRUPTED)
     told = json.loads((folder / "manifest.json").read_text())
