@@ -10,7 +10,7 @@ import numpy as np
 
 import sim
 import worlds
-from sim import amigobot, bullet, cone
+from sim import amigobot, bullet, sonars
 from sim.bullet import Bullet
 
 SCANS = 1000
@@ -19,13 +19,13 @@ SCANS = 1000
 def main() -> None:
     world = worlds.load("thesis-exp1")
     batches = recorded_batches(world)
-    steps = round(cone.preset("thesis").scan_period_s / amigobot.PHYSICS_DT_S)
+    steps = round(sonars.preset("thesis").scan_period_s / amigobot.PHYSICS_DT_S)
     # In turn, so that both meet the machine in the same mood.
     whole, bare = [], []
     for _ in range(5):
         whole.append(timed(lambda: sim.simulate(world, scans=SCANS, seed=0)))
         bare.append(bare_loop(world, batches, steps))
-    drive_s = SCANS * cone.preset("thesis").scan_period_s
+    drive_s = SCANS * sonars.preset("thesis").scan_period_s
     ratios = np.array(whole) / np.array(bare)
     print(f"simulation: {drive_s / np.median(whole):.1f} x real time (target 30)")
     print(
@@ -44,7 +44,7 @@ def recorded_batches(world: worlds.World) -> list[list[tuple[np.ndarray, np.ndar
         end = begin.copy()
         begin[:, :2] = origins
         end[:, :2] = origins + range_max_m[:, None] * directions
-        if len(origins) == 8 * cone.preset("thesis").rays:
+        if len(origins) == 8 * sonars.preset("thesis").rays:
             scans.append([])
         scans[-1].append((begin, end))
         return cast(self, origins, directions, range_max_m)

@@ -1,23 +1,31 @@
 """A simulated AmigoBot with eight sonars in a known room."""
 
-from sim.acoustics import Echoes, Sonar
+from sim.acoustics import Ears, Echoes, Sonar
 from sim.cone import ConeSonar
 from sim.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
 from sim.engine import Engine, RayCaster
+from sim.firing import AllAtOnce, Eeruf, Firing, InTurn
 from sim.odometry import OdometryModel
+from sim.packets import StatusPackets
 from sim.simulation import simulate
 
 __all__ = [
+    "AllAtOnce",
     "ConeSonar",
     "ConstantSpeeds",
     "Driver",
+    "Ears",
     "Echoes",
+    "Eeruf",
     "Engine",
+    "Firing",
+    "InTurn",
     "OdometryModel",
     "RandomWander",
     "RayCaster",
     "Sensed",
     "Sonar",
+    "StatusPackets",
     "WallFollower",
     "Waypoints",
     "simulate",

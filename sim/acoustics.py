@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.engine import RayCaster
+from sim.firing import Firing
 from sonarmap import Cause, SonarRing
 from worlds import World
 
-__all__ = ["SAME_POINT_M", "Echoes", "Sonar", "cause_of"]
+__all__ = ["SAME_POINT_M", "Ears", "Echoes", "Sonar", "cause_of"]
 
 SAME_POINT_M = 0.06
 """Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
@@ -21,7 +22,10 @@ and the edge of the cone at 2 m)."""
 
 @dataclass(frozen=True, eq=False)
 class Echoes:
-    """What k sonars heard, each array of shape (k,); see `sonarmap.LogTruth` for the meaning."""
+    """What k sonars heard, each array of shape (k,); see `sonarmap.LogTruth` for the meaning.
+
+    ``surface`` is an index of the world's solids, -1 for none.
+    """
 
     range_m: NDArray[np.float64]
     axis_range_m: NDArray[np.float64]
@@ -30,6 +34,36 @@ class Echoes:
     surface: NDArray[np.int32]
     incidence_rad: NDArray[np.float64]
     bounces: NDArray[np.int16]
+    source: NDArray[np.int16]
+    level_db: NDArray[np.float64]
+
+
+class Ears(Protocol):
+    """The sonars of one drive, which may remember sounds that are still under way."""
+
+    def fire(
+        self,
+        time_s: float,
+        sonars: tuple[int, ...],
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+    ) -> None:
+        """Let some sonars fire at once.
+
+        Parameters
+        ----------
+        time_s : float
+            Time of the firing, not before that of the last one.
+        sonars : tuple of int
+            Which sonars of the ring fire.
+        sensor_xy_m : ndarray, shape (sonars of the ring, 2)
+            True places of all transducers, metres.
+        axis_rad : ndarray, shape (sonars of the ring,)
+            True directions of all axes, radians.
+        """
+
+    def hear(self) -> Echoes:
+        """Return what was heard, one entry for each firing of a sonar since the last call."""
 
 
 class Sonar(Protocol):
@@ -44,18 +78,11 @@ class Sonar(Protocol):
         """The ring that it reads."""
 
     @property
-    def scan_period_s(self) -> float:
-        """Time from one scan to the next, seconds."""
+    def firing(self) -> Firing:
+        """When its sonars fire."""
 
-    def listen(
-        self,
-        rays: RayCaster,
-        world: World,
-        sensor_xy_m: NDArray[np.float64],
-        axis_rad: NDArray[np.float64],
-        rng: np.random.Generator,
-    ) -> Echoes:
-        """Fire k sonars and return what they hear.
+    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
+        """Return the sonars of one drive.
 
         Parameters
         ----------
@@ -63,10 +90,6 @@ class Sonar(Protocol):
             Where the surfaces are.
         world : World
             What they are made of; a surface index is an index of its solids.
-        sensor_xy_m : ndarray, shape (k, 2)
-            True places of the transducers, metres.
-        axis_rad : ndarray, shape (k,)
-            True directions of their axes, radians.
         rng : numpy.random.Generator
             The only source of noise; draws the same number of values whatever is heard.
         """

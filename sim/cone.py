@@ -8,22 +8,21 @@ its critical angle.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Echoes, cause_of
+from sim.acoustics import Ears, Echoes, cause_of
 from sim.engine import RayCaster
+from sim.firing import AllAtOnce
 from sim.following import meet_surfaces
-from sonarmap import AMIGOBOT, InputError, SonarRing, ring
-from sonarmap.errors import did_you_mean, non_negative, positive
+from sonarmap import InputError, LogTruth, SonarRing
+from sonarmap.errors import non_negative, positive
 from worlds import World
 
-__all__ = ["PRESETS", "ConeSonar", "preset"]
+__all__ = ["ConeSonar"]
 
 
 @dataclass(frozen=True)
@@ -78,6 +77,15 @@ class ConeSonar:
         """Return this sonar with some fields replaced."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    @property
+    def firing(self) -> AllAtOnce:
+        """All sonars at once."""
+        return AllAtOnce(self.scan_period_s)
+
+    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
+        """Return the sonars of one drive, see `sim.acoustics.Sonar`."""
+        return _ConeEars(self, rays, world, rng)
+
     def listen(
         self,
         rays: RayCaster,
@@ -86,7 +94,21 @@ class ConeSonar:
         axis_rad: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> Echoes:
-        """Fire k sonars at once and return what they hear, see `sim.acoustics.Sonar`."""
+        """Fire the first k sonars of the ring at once and return what they hear.
+
+        Parameters
+        ----------
+        rays : RayCaster
+            Where the surfaces are.
+        world : World
+            What they are made of.
+        sensor_xy_m : ndarray, shape (k, 2)
+            True places of the transducers, metres.
+        axis_rad : ndarray, shape (k,)
+            True directions of their axes, radians.
+        rng : numpy.random.Generator
+            Draws k values of noise whatever is heard.
+        """
         k, far_m = len(axis_rad), self.ring.range_max_m
         angle = (axis_rad[:, None] + self._bearing_rad).ravel()
         direction = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -136,6 +158,9 @@ class ConeSonar:
             surface=surface,
             incidence_rad=incidence_rad,
             bounces=bounces,
+            # A simple cone hears no other sonar and knows no level.
+            source=np.where(surface < 0, LogTruth.NO_SOURCE, np.arange(k)).astype(np.int16),
+            level_db=np.full(k, np.nan),
         )
 
     @cached_property
@@ -158,21 +183,22 @@ class ConeSonar:
         return np.where(reading < self.ring.range_min_m, -np.inf, reading)
 
 
-# `thesis`: 175 ms, Rashid 2006 p. 59; 0.165 to 3.0 m, p. 56. `aria`: a status packet every 100 ms.
-PRESETS: Mapping[str, ConeSonar] = MappingProxyType(
-    {
-        sonar.name: sonar
-        for sonar in (
-            ConeSonar("thesis", AMIGOBOT, scan_period_s=0.175),
-            ConeSonar("aria", ring("amigobot-aria"), scan_period_s=0.100),
-        )
-    }
-)
+class _ConeEars:
+    """The cones of one drive: nothing to remember, all sonars fire at once."""
 
+    def __init__(
+        self, sonar: ConeSonar, rays: RayCaster, world: World, rng: np.random.Generator
+    ) -> None:
+        self._sonar, self._rays, self._world, self._rng = sonar, rays, world, rng
 
-def preset(name: str) -> ConeSonar:
-    """Return the preset called `name`, or raise `InputError` with the nearest known name."""
-    try:
-        return PRESETS[name]
-    except KeyError:
-        raise InputError(f"sonar {name!r} is unknown{did_you_mean(name, PRESETS)}") from None
+    def fire(
+        self,
+        time_s: float,
+        sonars: tuple[int, ...],
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+    ) -> None:
+        self._heard = self._sonar.listen(self._rays, self._world, sensor_xy_m, axis_rad, self._rng)
+
+    def hear(self) -> Echoes:
+        return self._heard

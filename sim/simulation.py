@@ -7,15 +7,18 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sim import amigobot, cone, drivers
+from sim import amigobot, drivers, sonars
 from sim.acoustics import Sonar
 from sim.drivers import Driver, Sensed
 from sim.engine import Engine, open_engine
+from sim.firing import Firing
 from sim.odometry import Odometer, OdometryModel
+from sim.packets import StatusPackets
 from sim.recorder import Recorder
-from sonarmap import InputError, SonarLog
-from worlds import World
+from sonarmap import InputError, SonarLog, SonarRing
+from worlds import Pose, World
 
 __all__ = ["simulate"]
 
@@ -29,6 +32,7 @@ def simulate(
     sonar: str | Sonar = "thesis",
     engine: str = "bullet",
     odometry: OdometryModel | None = None,
+    packets: StatusPackets | None = None,
     gui: bool = False,
     on_scan: Callable[[int], None] | None = None,
 ) -> SonarLog:
@@ -46,11 +50,14 @@ def simulate(
     driver : str or Driver
         Who drives: a name of `sim.drivers.names()` or a driver.
     sonar : str or Sonar
-        The sonars: a name of `sim.cone.PRESETS` or a sonar.
+        The sonars: a name of `sim.sonars.PRESETS` or a sonar.
     engine : str
         What moves the robot and casts the rays: "bullet".
     odometry : OdometryModel, optional
         Errors of the odometry, by default the AmigoBot's.
+    packets : StatusPackets, optional
+        Log what the robot's status packets tell, stale values repeated; by default each reading
+        once, with the time and the pose of its own firing.
     gui : bool
         Show the engine's window.
     on_scan : callable, optional
@@ -70,31 +77,41 @@ def simulate(
         raise InputError(f"scans must be >= 1, got {scans!r}")
     if seed < 0:
         raise InputError(f"seed must be >= 0, got {seed!r}")
-    sonar_used = cone.preset(sonar) if isinstance(sonar, str) else sonar
+    sonar_used = sonars.preset(sonar) if isinstance(sonar, str) else sonar
     driver_used = drivers.driver(driver, world) if isinstance(driver, str) else driver
     odometry = OdometryModel() if odometry is None else odometry
-    _whole_steps(sonar_used.scan_period_s)
+    firing, ring = sonar_used.firing, sonar_used.ring
+    firing.check(len(ring))
+    _check_times(firing, len(ring), packets)
 
     # A stream each, so that one does not shift when another draws more.
     noise_rng, odometry_rng, driver_rng = np.random.default_rng(seed).spawn(3)
     with open_engine(engine, world, gui=gui) as robot:
-        recorder = Recorder(sonar_used.ring, world)
+        recorder = Recorder(ring, world, packets)
         odometer = Odometer(odometry, robot.pose, odometry_rng)
+        drive = _Drive(robot, odometer, recorder, packets)
+        ears = sonar_used.ears(robot, world, noise_rng)
         control = driver_used.begin(driver_rng)
-        touched = False
+        newest_m = np.full(len(ring), np.inf)
         for scan in range(scans):
-            time_s = scan * sonar_used.scan_period_s
-            sensor_xy_m, axis_rad = _transducers(sonar_used, robot)
-            echoes = sonar_used.listen(robot, world, sensor_xy_m, axis_rad, noise_rng)
-            recorder.add(time_s, odometer.pose, robot.pose, echoes, touched=touched)
+            begin_s = scan * firing.period_s
+            fired: list[int] = []
+            for slot in firing.slots(scan, len(ring)):
+                drive.until(begin_s + slot.offset_s)
+                ears.fire(drive.time_s, slot.sonars, *_transducers(ring, robot.pose))
+                recorder.fired(scan, drive.time_s, slot.sonars, odometer.pose, robot.pose)
+                fired += slot.sonars
+            echoes = ears.hear()
+            touched = drive.touched_since()
+            recorder.heard(echoes, touched=touched)
+            newest_m[fired] = echoes.range_m
             if on_scan is not None:
                 on_scan(scan)
-            if scan + 1 < scans:
-                sensed = Sensed(
-                    time_s, odometer.pose, echoes.range_m, sonar_used.ring, collided=touched
-                )
-                touched = robot.advance(*control(sensed), sonar_used.scan_period_s)
-                odometer.update(robot.wheel_turns_rad)
+            # The driver decides once a scan, when its last sonar has been heard.
+            sensed = Sensed(drive.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
+            drive.speeds_mps = control(sensed)
+        if packets is not None:
+            drive.until(scans * firing.period_s)  # the last packets tell the last readings
     return recorder.log(
         {
             "world": world.name,
@@ -105,25 +122,77 @@ def simulate(
             "sonar": _told(sonar_used),
             "engine": engine,
             "odometry": _told(odometry),
+            **({} if packets is None else {"packets": _told(packets)}),
         }
     )
 
 
-def _transducers(sonar: Sonar, robot: Engine) -> tuple[Any, Any]:
+class _Drive:
+    """The motion of the robot from one moment that matters to the next."""
+
+    def __init__(
+        self,
+        robot: Engine,
+        odometer: Odometer,
+        recorder: Recorder,
+        packets: StatusPackets | None,
+    ) -> None:
+        self._robot, self._odometer, self._recorder = robot, odometer, recorder
+        self._packets, self._packet = packets, 1
+        self._touched = False
+        self.time_s = 0.0
+        self.speeds_mps = (0.0, 0.0)
+
+    def until(self, time_s: float) -> None:
+        """Drive on to a moment; packets that are due on the way are told."""
+        if self._packets is not None:
+            while (due_s := self._packet * self._packets.period_s) <= time_s + 1e-9:
+                self._advance(due_s)
+                self._recorder.told(due_s, self._odometer.pose)
+                self._packet += 1
+        self._advance(time_s)
+
+    def touched_since(self) -> bool:
+        """Return whether the robot touched something since the last call."""
+        touched, self._touched = self._touched, False
+        return touched
+
+    def _advance(self, time_s: float) -> None:
+        steps = _steps(time_s) - _steps(self.time_s)
+        self.time_s = time_s
+        if steps > 0:
+            duration_s = steps * amigobot.PHYSICS_DT_S
+            touched = self._robot.advance(*self.speeds_mps, duration_s)
+            self._touched = self._touched or touched
+            self._odometer.update(self._robot.wheel_turns_rad)
+
+
+def _transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return true places (k, 2) and axes (k,) of the sonars."""
-    pose, ring = robot.pose, sonar.ring
     cos, sin = np.cos(pose.heading_rad), np.sin(pose.heading_rad)
     x_m = pose.x_m + cos * ring.x_m - sin * ring.y_m
     y_m = pose.y_m + sin * ring.x_m + cos * ring.y_m
     return np.column_stack([x_m, y_m]), pose.heading_rad + ring.heading_rad
 
 
-def _whole_steps(period_s: float) -> None:
-    steps = period_s / amigobot.PHYSICS_DT_S
+def _steps(time_s: float) -> int:
+    return round(time_s / amigobot.PHYSICS_DT_S)
+
+
+def _check_times(firing: Firing, sonars: int, packets: StatusPackets | None) -> None:
+    """Check that whatever happens happens between two steps of the physics."""
+    offsets = {slot.offset_s for scan in (0, 1) for slot in firing.slots(scan, sonars)}
+    _whole_steps("scan_period_s", firing.period_s)
+    for offset_s in sorted(offsets - {0.0}):
+        _whole_steps("the time between firings", offset_s)
+    if packets is not None:
+        _whole_steps("packets.period_s", packets.period_s)
+
+
+def _whole_steps(name: str, time_s: float) -> None:
+    steps = time_s / amigobot.PHYSICS_DT_S
     if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
-        raise InputError(
-            f"scan_period_s must be a multiple of {amigobot.PHYSICS_DT_S} s, got {period_s!r}"
-        )
+        raise InputError(f"{name} must be a multiple of {amigobot.PHYSICS_DT_S} s, got {time_s!r}")
 
 
 def _told(part: object) -> dict[str, Any]:
@@ -134,5 +203,5 @@ def _told(part: object) -> dict[str, Any]:
             value = getattr(part, field.name)
             # The log carries its ring itself.
             if field.name != "ring":
-                told[field.name] = value
+                told[field.name] = _told(value) if dataclasses.is_dataclass(value) else value
     return told

@@ -1,4 +1,5 @@
 from . import goodness as goodness
+from .eeruf import eeruf_accepts as eeruf_accepts
 from .errors import InputError as InputError
 from .grid import GridSpec as GridSpec
 from .hsr import HsrParams as HsrParams

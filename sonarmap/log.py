@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,7 +69,16 @@ class LogTruth:
         Number of mirroring surfaces on the way.
     collision : array_like of bool
         Whether the robot touched something since the scan before.
+    source : array_like of int, optional
+        The sonar whose sound it was, as a number of the ring: `NO_SOURCE` for none,
+        `OUTSIDE_SOURCE` for one that is not the robot's. By default none.
+    level_db : array_like, optional
+        How far the echo stood above the detection threshold, decibels; NaN for no echo and
+        where the acoustic model knows no levels, which is the default.
     """
+
+    NO_SOURCE: ClassVar[int] = -1
+    OUTSIDE_SOURCE: ClassVar[int] = -2
 
     x_m: NDArray[np.float64]
     y_m: NDArray[np.float64]
@@ -80,6 +90,8 @@ class LogTruth:
     incidence_rad: NDArray[np.float64]
     bounces: NDArray[np.int16]
     collision: NDArray[np.bool_]
+    source: NDArray[np.int16] = None  # type: ignore[assignment]  # filled below
+    level_db: NDArray[np.float64] = None  # type: ignore[assignment]  # filled below
 
     DTYPES = MappingProxyType(
         {
@@ -93,11 +105,16 @@ class LogTruth:
             "incidence_rad": np.float64,
             "bounces": np.int16,
             "collision": np.bool_,
+            "source": np.int16,
+            "level_db": np.float64,
         }
     )
 
     def __post_init__(self) -> None:
         size = np.asarray(self.x_m).size
+        for name, unknown in (("source", self.NO_SOURCE), ("level_db", math.nan)):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, np.full(size, unknown))
         for name, dtype in self.DTYPES.items():
             _freeze(self, name, dtype, size, prefix="truth.")
         for name in ("x_m", "y_m", "heading_rad"):
@@ -105,6 +122,7 @@ class LogTruth:
             first_row(f"truth.{name}", ~np.isfinite(values), values, "a finite number")
         known = np.isin(self.cause, [cause.value for cause in Cause])
         first_row("truth.cause", ~known, self.cause, f"0 to {len(Cause) - 1}")
+        first_row("truth.source", self.source < self.OUTSIDE_SOURCE, self.source, ">= -2")
 
     def select(self, rows: ArrayLike) -> LogTruth:
         """Return the truth of the given rows (a mask, a slice or indices)."""

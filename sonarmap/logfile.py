@@ -16,7 +16,7 @@ from sonarmap.rings import SonarRing
 
 __all__ = ["read_log", "write_log"]
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _KEY = b"sonarbed"
 _TRUTH = "truth_"
 

@@ -73,6 +73,8 @@ def random_truth(rng, n):
         incidence_rad=np.where(rng.random(n) < 0.2, np.nan, rng.random(n)),
         bounces=rng.integers(4, size=n),
         collision=rng.random(n) < 0.5,
+        source=rng.integers(-2, 3, size=n),
+        level_db=np.where(rng.random(n) < 0.2, np.nan, rng.random(n)),
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 import shapely
 from rooms import MIRROR, ROUGH, SOFT, box, closed_room, pillar, world
 
-from sim import ConeSonar, cone
+from sim import ConeSonar, sonars
 from sonarmap import Cause, InputError, SonarRing
 from worlds import Material, Solid
 
@@ -142,7 +142,7 @@ def test_readings_are_whole_quanta(rng):
 
 
 def test_noise_has_its_standard_deviation_and_sensors_differ(rng):
-    eight = cone.preset("thesis").replace(quantum_m=0, noise_std_m=0.01)
+    eight = sonars.preset("thesis").replace(quantum_m=0, noise_std_m=0.01)
     room = closed_room(1.0)
     places, axes = np.zeros((8, 2)), np.zeros(8)
     errors = np.array(
@@ -261,9 +261,9 @@ def test_bad_settings_are_refused(changes, message):
 
 
 def test_presets_are_those_of_the_robots():
-    thesis, aria = cone.preset("thesis"), cone.preset("aria")
+    thesis, aria = sonars.preset("thesis"), sonars.preset("aria")
     assert (thesis.ring.range_min_m, thesis.ring.range_max_m) == (0.165, 3.0)
     assert (aria.ring.range_min_m, aria.ring.range_max_m) == (0.10, 5.0)
     assert math.degrees(2 * thesis.ring.half_angle_rad) == pytest.approx(30)
     with pytest.raises(InputError, match=r"sonar 'thesys' is unknown; did you mean 'thesis'\?"):
-        cone.preset("thesys")
+        sonars.preset("thesys")

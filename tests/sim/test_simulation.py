@@ -7,13 +7,13 @@ from rooms import MIRROR, box, closed_room, world
 
 import sim
 import worlds
-from sim import ConstantSpeeds, OdometryModel, WallFollower, cone
+from sim import ConstantSpeeds, OdometryModel, WallFollower, sonars
 from sonarmap import Cause, InputError
 
 pytestmark = pytest.mark.engine
 
 # No noise and a fine scale, so that logs of turned and mirrored rooms can be compared.
-STILL = cone.preset("thesis").replace(noise_std_m=0, quantum_m=0)
+STILL = sonars.preset("thesis").replace(noise_std_m=0, quantum_m=0)
 
 
 def mixed_room(**arguments):

@@ -118,10 +118,10 @@ def test_a_foreign_parquet_file(tmp_path):
         ("not json", "its 'sonarbed' metadata is damaged"),
         ("[]", "its 'sonarbed' metadata is damaged"),
         ("{}", "its 'sonarbed' metadata is damaged"),
-        ('{"format_version": 1}', "its 'sonarbed' metadata is damaged"),
-        ('{"format_version": 2}', "format version must be 1, got 2"),
+        ('{"format_version": 2}', "its 'sonarbed' metadata is damaged"),
+        ('{"format_version": 1}', "format version must be 2, got 1"),
         (
-            '{"format_version": 1, "ring": {"name": "x"}, "provenance": {}}',
+            '{"format_version": 2, "ring": {"name": "x"}, "provenance": {}}',
             "ring: .*missing.*'x_m'.*",
         ),
     ],

@@ -24,7 +24,7 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 # Raised when a study's files change their meaning: older folders are then refused, not mixed.
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _FILE = "setting.json"
 _DPI = 110
 

@@ -1,0 +1,185 @@
+"""When the sonars of a ring fire: all at once, in turn, or with EERUF's alternating delays."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Protocol
+
+from sonarmap import InputError
+from sonarmap.errors import non_negative, positive
+
+__all__ = ["AllAtOnce", "Eeruf", "Firing", "InTurn", "Slot"]
+
+_EIGHT = tuple(range(8))
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """Sonars that fire at the same moment of a scan.
+
+    Parameters
+    ----------
+    offset_s : float
+        Time since the scan began.
+    sonars : tuple of int
+        Their numbers in the ring.
+    """
+
+    offset_s: float
+    sonars: tuple[int, ...]
+
+
+class Firing(Protocol):
+    """The times at which the sonars of a ring fire."""
+
+    @property
+    def period_s(self) -> float:
+        """Time from the begin of a scan to that of the next, seconds."""
+
+    @property
+    def listening_s(self) -> float:
+        """How long a sonar that has fired listens at most, seconds."""
+
+    def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
+        """Return the slots of a scan of a ring of so many sonars, in the order of time."""
+
+    def check(self, sonars: int) -> None:
+        """Raise `InputError` if the schedule does not fit a ring of so many sonars."""
+
+
+@dataclass(frozen=True)
+class AllAtOnce:
+    """Every sonar fires at the begin of the scan.
+
+    Parameters
+    ----------
+    period_s : float
+        Time from one scan to the next, seconds, > 0.
+    """
+
+    period_s: float
+
+    def __post_init__(self) -> None:
+        positive("period_s", self.period_s)
+
+    @property
+    def listening_s(self) -> float:
+        """How long a sonar that has fired listens at most, seconds."""
+        return self.period_s
+
+    def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
+        """Return the one slot of a scan."""
+        return (Slot(0.0, tuple(range(sonars))),)
+
+    def check(self, sonars: int) -> None:
+        """Accept a ring of any size."""
+
+
+@dataclass(frozen=True)
+class InTurn:
+    """One sonar after the other; each listens until the next one fires.
+
+    Parameters
+    ----------
+    slot_s : float
+        Time from one firing to the next, seconds, > 0. The Pioneers' sonar board needs 40 ms by
+        default, 320 ms for a ring of eight, and can be set to 2 to 120 ms (Pioneer 3 manual,
+        p. 34; taken over for the AmigoBot).
+    order : tuple of int
+        Numbers of the sonars as they fire; as on the board some may be left out or come twice.
+    """
+
+    slot_s: float = 0.040
+    order: tuple[int, ...] = _EIGHT
+
+    def __post_init__(self) -> None:
+        positive("slot_s", self.slot_s)
+        _check_order(self.order)
+
+    @property
+    def period_s(self) -> float:
+        """Time from the begin of a scan to that of the next, seconds."""
+        return self.slot_s * len(self.order)
+
+    @property
+    def listening_s(self) -> float:
+        """How long a sonar that has fired listens at most, seconds."""
+        return self.slot_s
+
+    def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
+        """Return a slot for each sonar of the order."""
+        return tuple(Slot(i * self.slot_s, (sonar,)) for i, sonar in enumerate(self.order))
+
+    def check(self, sonars: int) -> None:
+        """Raise `InputError` if the order names a sonar that the ring does not have."""
+        _check_order(self.order, sonars)
+
+
+@dataclass(frozen=True)
+class Eeruf:
+    """Sonars fire in quick succession, each after one of two delays, scan by scan in turn.
+
+    Between two scans the delays of two sonars change differently, so what a sonar hears of
+    another's sound moves by the difference, while its own echoes stay where they are:
+    `sonarmap.eeruf_accepts` keeps readings that agree with a neighbour in time. After Borenstein
+    and Koren, "Error Eliminating Rapid Ultrasonic Firing for Mobile Robot Obstacle Avoidance",
+    IEEE Transactions on Robotics and Automation 11(1), 1995.
+
+    Parameters
+    ----------
+    period_s : float
+        Time from one scan to the next, seconds, > 0; the paper gives 60 to 100 ms for eight to
+        twelve sonars.
+    lag_even_s, lag_odd_s : float
+        Time from one sonar to the next in even and in odd scans, seconds, >= 0, not equal. The
+        cross-talk of the n-th neighbour moves by n times their difference: with 5 ms a range
+        changes by 0.86 m. The numbers are assumed.
+    order : tuple of int
+        Numbers of the sonars as they fire.
+    """
+
+    period_s: float = 0.100
+    lag_even_s: float = 0.010
+    lag_odd_s: float = 0.005
+    order: tuple[int, ...] = _EIGHT
+
+    def __post_init__(self) -> None:
+        positive("period_s", self.period_s)
+        non_negative("lag_even_s", self.lag_even_s)
+        non_negative("lag_odd_s", self.lag_odd_s)
+        if math.isclose(self.lag_even_s, self.lag_odd_s):
+            raise InputError(
+                f"lag_odd_s must differ from lag_even_s, got {self.lag_odd_s!r} for both"
+            )
+        _check_order(self.order)
+        if len(set(self.order)) != len(self.order):
+            raise InputError(f"order must name no sonar twice, got {self.order!r}")
+        if self.listening_s <= 0:
+            raise InputError(
+                f"period_s must be longer than the {len(self.order) - 1} lags of a scan, "
+                f"got {self.period_s!r}"
+            )
+
+    @property
+    def listening_s(self) -> float:
+        """How long a sonar that has fired listens at most, seconds: to the end of the scan."""
+        return self.period_s - (len(self.order) - 1) * max(self.lag_even_s, self.lag_odd_s)
+
+    def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
+        """Return a slot for each sonar of the order, closer in odd scans or in even ones."""
+        lag_s = self.lag_odd_s if scan % 2 else self.lag_even_s
+        return tuple(Slot(i * lag_s, (sonar,)) for i, sonar in enumerate(self.order))
+
+    def check(self, sonars: int) -> None:
+        """Raise `InputError` if the order names a sonar that the ring does not have."""
+        _check_order(self.order, sonars)
+
+
+def _check_order(order: tuple[int, ...], sonars: int | None = None) -> None:
+    if not order:
+        raise InputError("order must name at least one sonar, got none")
+    for place, sonar in enumerate(order):
+        if sonar < 0 or (sonars is not None and sonar >= sonars):
+            rule = ">= 0" if sonars is None else f"0 to {sonars - 1}"
+            raise InputError(f"order[{place}] must be {rule}, got {sonar!r}")
