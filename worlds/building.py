@@ -100,7 +100,13 @@ def _wall(place: str, table: WallTable) -> Polygon:
 
 def _material(name: str, table: MaterialTable) -> Material:
     critical_rad = math.radians(table.critical_incidence_deg)
-    return Material(name, critical_rad, table.reflectivity, table.roughness_mm / 1000)
+    return Material(
+        name,
+        critical_rad,
+        table.reflectivity,
+        table.roughness_mm / 1000,
+        table.diffuse_floor_db,
+    )
 
 
 def _pose(table: StartTable) -> Pose:

@@ -114,6 +114,7 @@ class MaterialTable(_Table):
     critical_incidence_deg: Number
     reflectivity: Number
     roughness_mm: Number
+    diffuse_floor_db: Number = -60.0
 
     @model_validator(mode="after")
     def _values_are_physical(self) -> MaterialTable:
@@ -126,6 +127,10 @@ class MaterialTable(_Table):
             raise _fault("reflectivity", f"must be within [0, 1], got {self.reflectivity:g}")
         if self.roughness_mm < 0:
             raise _fault("roughness_mm", f"must be >= 0, got {self.roughness_mm:g}")
+        if not -100 <= self.diffuse_floor_db <= 0:
+            raise _fault(
+                "diffuse_floor_db", f"must be within [-100, 0], got {self.diffuse_floor_db:g}"
+            )
         return self
 
 

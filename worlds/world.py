@@ -119,6 +119,16 @@ class World:
         """Roughness of each solid's material, metres, shape (solids,)."""
         return np.array([solid.material.roughness_m for solid in self.solids])
 
+    @cached_property
+    def diffuse_floor_db(self) -> NDArray[np.float64]:
+        """Diffuse floor of each solid's material, decibels, shape (solids,)."""
+        return np.array([solid.material.diffuse_floor_db for solid in self.solids])
+
+    @cached_property
+    def radius_m(self) -> NDArray[np.float64]:
+        """Radius of each pillar, 0 of a solid with flat faces, metres, shape (solids,)."""
+        return np.array([solid.circle[2] if solid.circle else 0.0 for solid in self.solids])
+
     def transformed(self, *, quarter_turns: int) -> World:
         """Return the world turned about the origin, counter-clockwise by right angles.
 
