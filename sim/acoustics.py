@@ -13,7 +13,7 @@ from sim.firing import Firing
 from sonarmap import Cause, SonarRing
 from worlds import World
 
-__all__ = ["SAME_POINT_M", "Ears", "Echoes", "Sonar", "cause_of"]
+__all__ = ["SAME_POINT_M", "Ears", "EarsTogether", "Echoes", "Sonar", "cause_of"]
 
 SAME_POINT_M = 0.06
 """Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
@@ -93,6 +93,43 @@ class Sonar(Protocol):
         rng : numpy.random.Generator
             The only source of noise; draws the same number of values whatever is heard.
         """
+
+
+class Listening(Protocol):
+    """Sonars that fire all together and remember nothing."""
+
+    def listen(
+        self,
+        rays: RayCaster,
+        world: World,
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> Echoes:
+        """Fire all sonars and return what they hear."""
+
+
+class EarsTogether:
+    """The `Ears` of sonars that fire all together and remember nothing."""
+
+    def __init__(
+        self, sonar: Listening, rays: RayCaster, world: World, rng: np.random.Generator
+    ) -> None:
+        self._sonar, self._rays, self._world, self._rng = sonar, rays, world, rng
+
+    def fire(
+        self,
+        time_s: float,
+        sonars: tuple[int, ...],
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+    ) -> None:
+        """Let all sonars fire."""
+        self._heard = self._sonar.listen(self._rays, self._world, sensor_xy_m, axis_rad, self._rng)
+
+    def hear(self) -> Echoes:
+        """Return what they heard."""
+        return self._heard
 
 
 def cause_of(

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Ears, Echoes, cause_of
+from sim.acoustics import Ears, EarsTogether, Echoes, cause_of
 from sim.engine import RayCaster
 from sim.firing import AllAtOnce
 from sim.following import meet_surfaces
@@ -84,7 +84,7 @@ class ConeSonar:
 
     def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
         """Return the sonars of one drive, see `sim.acoustics.Sonar`."""
-        return _ConeEars(self, rays, world, rng)
+        return EarsTogether(self, rays, world, rng)
 
     def listen(
         self,
@@ -181,24 +181,3 @@ class ConeSonar:
         # Noise alone must not turn an echo at the very end of the range into silence.
         reading = np.where(np.isfinite(heard_m), np.minimum(reading, self.ring.range_max_m), np.inf)
         return np.where(reading < self.ring.range_min_m, -np.inf, reading)
-
-
-class _ConeEars:
-    """The cones of one drive: nothing to remember, all sonars fire at once."""
-
-    def __init__(
-        self, sonar: ConeSonar, rays: RayCaster, world: World, rng: np.random.Generator
-    ) -> None:
-        self._sonar, self._rays, self._world, self._rng = sonar, rays, world, rng
-
-    def fire(
-        self,
-        time_s: float,
-        sonars: tuple[int, ...],
-        sensor_xy_m: NDArray[np.float64],
-        axis_rad: NDArray[np.float64],
-    ) -> None:
-        self._heard = self._sonar.listen(self._rays, self._world, sensor_xy_m, axis_rad, self._rng)
-
-    def hear(self) -> Echoes:
-        return self._heard

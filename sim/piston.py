@@ -62,6 +62,11 @@ class Piston:
         """Wavelength at 20 degrees Celsius, metres."""
         return _SPEED_MPS / self.frequency_hz
 
+    @property
+    def null_rad(self) -> float:
+        """Angle of the first null, where the main lobe ends."""
+        return math.asin(0.61 * self.wavelength_m / self.radius_m)
+
     def level_db(self, angle_rad: ArrayLike) -> NDArray[np.float64]:
         """Return the one-way level against the axis, decibels: 20 log10 |2 J1(x) / x|.
 
