@@ -35,8 +35,9 @@ __all__ = ["PhysicalSonar"]
 
 # A ray that shall see a point sees it if its length agrees so well, metres.
 _SAME_LENGTH_M = 1e-3
-# Ends of faces are searched until they lie between rays so close, radians: 1.6 mm at 3 m.
-_END_RAD = math.radians(0.03)
+# Ends of faces are searched until they lie between rays so close, radians: 1.6 mm at 3 m; each
+# search splits the gap into so many parts, because one large batch of rays costs less than many.
+_END_RAD, _SPLIT = math.radians(0.03), 10
 # So far off the axis faces are looked for that the sound of another sonar may come by. Assumed.
 _WIDE_RAD = math.radians(45)
 
@@ -192,7 +193,7 @@ class PhysicalSonar:
             stops.append(_WIDE_RAD)
         side, last = [0.0], 0.0
         for stop in stops:
-            step = self.ray_step_rad * (1 if stop <= lobe else 2 if stop <= reach else 5)
+            step = self.ray_step_rad * (1 if stop <= lobe else 3 if stop <= reach else 5)
             count = math.ceil((stop - last) / step - 1e-9)
             side += [last + (stop - last) * k / count for k in range(1, count + 1)]
             last = stop
@@ -502,28 +503,35 @@ class _Fans:
             return corners, edges
         near, far = open_ends.T
         inside, outside = rays[near, e.RAY_THETA], rays[far, e.RAY_THETA]
-        face = pieces[piece[near]]
+        face = np.repeat(pieces[piece[near]], _SPLIT - 1, axis=0)
         normal, point = face[:, [e.PIECE_NX, e.PIECE_NY]], face[:, [e.PIECE_X, e.PIECE_Y]]
-        is_flat = self._radius_m[surface[near]] == 0
+        wanted = np.repeat(surface[near], _SPLIT - 1)
+        is_flat = self._radius_m[wanted] == 0
         length_m = leg.length_m[near]
-        for _ in range(math.ceil(math.log2(np.abs(outside - inside).max() / _END_RAD))):
-            middle = (inside + outside) / 2
-            sent = self._departing(fan[near], middle)
+        shares, row = np.arange(_SPLIT) / _SPLIT, np.arange(near.size)
+        widest = np.abs(outside - inside).max()
+        for _ in range(math.ceil(math.log(widest / _END_RAD) / math.log(_SPLIT))):
+            gap = outside - inside
+            between = (inside[:, None] + gap[:, None] * shares[1:]).ravel()
+            sent = self._departing(np.repeat(fan[near], _SPLIT - 1), between)
             origin, direction = sent[:, [e.RAY_X, e.RAY_Y]], sent[:, [e.RAY_DX, e.RAY_DY]]
-            hits = self._caster.cast(origin, direction, np.full(near.size, self._sonar.reach_m))
-            on = hits.surface == surface[near]
+            hits = self._caster.cast(origin, direction, np.full(len(sent), self._sonar.reach_m))
+            on = hits.surface == wanted
             met_m = np.where(on, hits.distance_m, 0.0)
             off_m = ((origin + met_m[:, None] * direction - point) * normal).sum(axis=1)
             on &= ~is_flat | (np.abs(off_m) < 1e-4)
-            inside, outside = np.where(on, middle, inside), np.where(on, outside, middle)
-            length_m = np.where(on, met_m, length_m)
+            # So many rays, from the inside on, still meet the face.
+            last = np.cumprod(on.reshape(near.size, -1), axis=1).sum(axis=1)
+            lengths_m = np.column_stack([length_m, met_m.reshape(near.size, -1)])
+            length_m = lengths_m[row, last]
+            inside, outside = inside + gap * last / _SPLIT, inside + gap * (last + 1) / _SPLIT
         after = far > near
         pieces[piece[near[after]], e.PIECE_HIGH] = inside[after]
         pieces[piece[near[~after]], e.PIECE_LOW] = inside[~after]
         sent = self._departing(fan[near], inside)
         ends = sent[:, [e.RAY_X, e.RAY_Y]] + length_m[:, None] * sent[:, [e.RAY_DX, e.RAY_DY]]
         # A pillar has no edge: its outline is where rays graze it.
-        new = np.column_stack([near, ends])[is_flat]
+        new = np.column_stack([near, ends])[self._radius_m[surface[near]] == 0]
         return corners, np.concatenate([edges, new])
 
     def _of_faces(
@@ -564,37 +572,42 @@ class _Fans:
     ) -> NDArray[np.bool_]:
         """Return which sounds have a free way, leg by leg, where rays have not seen it yet."""
         free = np.ones(len(sounds), bool)
-        # Forth: along the bearing of departure, over as many mirrors, to the point.
-        rows = np.flatnonzero(sounds[:, e.SOUND_SEEN] > 0)
-        if rows.size:
-            length_m = self._followed(index[rows, 0], sounds[rows, e.SOUND_THETA], bounces[rows])
-            free[rows] = np.abs(length_m - sounds[rows, e.SOUND_SEEN]) < _SAME_LENGTH_M
-        # Back: from the listener to the point.
-        rows = np.flatnonzero(free & ~np.isnan(sounds[:, e.SOUND_BACK]))
-        if rows.size:
-            listener, length_m = self._all_xy_m[index[rows, 1]], sounds[rows, e.SOUND_BACK]
-            point = sounds[rows][:, [e.SOUND_QX, e.SOUND_QY]]
-            hits = self._caster.cast(
-                listener, (point - listener) / length_m[:, None], length_m + 0.1
-            )
-            free[rows] = np.abs(hits.distance_m - length_m) < _SAME_LENGTH_M
+        # Forth: along the bearing of departure, over as many mirrors, to the point. Back: from
+        # the listener to the point, without mirrors.
+        forth = np.flatnonzero(sounds[:, e.SOUND_SEEN] > 0)
+        back = np.flatnonzero(~np.isnan(sounds[:, e.SOUND_BACK]))
+        if not forth.size + back.size:
+            return free
+        departing = self._departing(index[forth, 0], sounds[forth, e.SOUND_THETA])
+        listener, back_m = self._all_xy_m[index[back, 1]], sounds[back, e.SOUND_BACK]
+        point = sounds[back][:, [e.SOUND_QX, e.SOUND_QY]]
+        length_m = np.concatenate([sounds[forth, e.SOUND_SEEN], back_m])
+        followed_m = self._followed(
+            np.concatenate([departing[:, [e.RAY_X, e.RAY_Y]], listener]),
+            np.concatenate(
+                [departing[:, [e.RAY_DX, e.RAY_DY]], (point - listener) / back_m[:, None]]
+            ),
+            np.concatenate([bounces[forth], np.zeros(back.size, np.int16)]),
+            length_m + 0.1,
+        )
+        blocked = np.abs(followed_m - length_m) >= _SAME_LENGTH_M
+        free[np.concatenate([forth, back])[blocked]] = False
         return free
 
     def _followed(
         self,
-        fan: NDArray[np.int64],
-        bearing_rad: NDArray[np.float64],
+        origin: NDArray[np.float64],
+        direction: NDArray[np.float64],
         bounces: NDArray[np.int16],
+        reach_m: NDArray[np.float64],
     ) -> NDArray[np.float64]:
         """Return how far rays go until they meet something after so many mirrors."""
-        rays = self._departing(fan, bearing_rad)
-        origin, direction = rays[:, [e.RAY_X, e.RAY_Y]], rays[:, [e.RAY_DX, e.RAY_DY]]
-        length_m = np.zeros(fan.size)
-        on = np.arange(fan.size)
+        length_m = np.zeros(bounces.size)
+        on = np.arange(bounces.size)
         for mirrors in range(int(bounces.max()) + 1):
-            hits = self._caster.cast(origin, direction, np.full(on.size, self._sonar.reach_m + 0.1))
+            hits = self._caster.cast(origin, direction, reach_m[on] - length_m[on])
             length_m[on] += hits.distance_m
-            further = (bounces[on] > mirrors) & (hits.surface >= 0)
+            further = (bounces[on] > mirrors) & (length_m[on] < reach_m[on])
             on, normal = on[further], hits.normal_xy[further]
             if not on.size:
                 break
