@@ -94,10 +94,6 @@ class Sonar(Protocol):
             The only source of noise; draws the same number of values whatever is heard.
         """
 
-
-class Listening(Protocol):
-    """Sonars that fire all together and remember nothing."""
-
     def listen(
         self,
         rays: RayCaster,
@@ -106,14 +102,24 @@ class Listening(Protocol):
         axis_rad: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> Echoes:
-        """Fire all sonars and return what they hear."""
+        """Fire k transducers that do not hear each other and return what they hear.
+
+        Parameters
+        ----------
+        rays, world, rng
+            As for `ears`.
+        sensor_xy_m : ndarray, shape (k, 2)
+            True places of the transducers, metres.
+        axis_rad : ndarray, shape (k,)
+            True directions of their axes, radians.
+        """
 
 
 class EarsTogether:
     """The `Ears` of sonars that fire all together and remember nothing."""
 
     def __init__(
-        self, sonar: Listening, rays: RayCaster, world: World, rng: np.random.Generator
+        self, sonar: Sonar, rays: RayCaster, world: World, rng: np.random.Generator
     ) -> None:
         self._sonar, self._rays, self._world, self._rng = sonar, rays, world, rng
 

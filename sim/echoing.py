@@ -205,7 +205,8 @@ def find_boundaries(
 @njit(cache=True)
 def find_sounds(
     fan, rays, surface, piece, pieces, ends, corners, edges, radius_m, reflect_db, floor_db,
-    air, beam, edge_db, reach_m, fan_sonar, sensor_xy_m, axis_rad, margin_rad, mirrors, pulse_m,
+    air, beam, edge_db, reach_m, fan_sonar, sensor_xy_m, axis_rad, margin_rad, mirrors,
+    alone, pulse_m,
 ):  # fmt: skip
     """Return the sounds that may be heard of the faces seen: (sounds, fan, listener, surface)."""
     sonars = axis_rad.size
@@ -291,6 +292,8 @@ def find_sounds(
                 square = abs(rays[i, RAY_MX] * nx + rays[i, RAY_MY] * ny) < _RIGHT_ANGLE
                 if mirrors == 0 or square:
                     continue
+            elif alone:
+                continue
             x, y = sensor_xy_m[sonar, 0], sensor_xy_m[sonar, 1]
             height = (x - pieces[p, PIECE_X]) * nx + (y - pieces[p, PIECE_Y]) * ny
             if height <= 0 or half <= 0:

@@ -108,6 +108,19 @@ class PhysicalSonar:
         """Return the sonars of one drive, see `sim.acoustics.Sonar`."""
         return _PhysicalEars(self, rays, world, rng)
 
+    def listen(
+        self,
+        rays: RayCaster,
+        world: World,
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> Echoes:
+        """Fire k transducers that do not hear each other, see `sim.acoustics.Sonar`."""
+        ears = _PhysicalEars(self, rays, world, rng, alone=True)
+        ears.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
+        return ears.hear()
+
     @property
     def window_s(self) -> float:
         """How long a sonar listens after its firing, seconds."""
@@ -204,9 +217,16 @@ class _PhysicalEars:
     """The sonars of one drive, with the sounds that are under way."""
 
     def __init__(
-        self, sonar: PhysicalSonar, rays: RayCaster, world: World, rng: np.random.Generator
+        self,
+        sonar: PhysicalSonar,
+        rays: RayCaster,
+        world: World,
+        rng: np.random.Generator,
+        *,
+        alone: bool = False,
     ) -> None:
         self._sonar, self._rays, self._rng = sonar, rays, rng
+        self._alone = alone
         # One entry more: surface -1, none, is the last.
         self._roughness_m = np.append(world.roughness_m, 0.0)
         with np.errstate(divide="ignore"):
@@ -226,7 +246,15 @@ class _PhysicalEars:
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
     ) -> None:
-        fans = _Fans(self._sonar, self._rays, self._surfaces, sonars, sensor_xy_m, axis_rad)
+        fans = _Fans(
+            self._sonar,
+            self._rays,
+            self._surfaces,
+            sonars,
+            sensor_xy_m,
+            axis_rad,
+            alone=self._alone,
+        )
         sounds = fans.sounds(time_s)
         axis_range_m, cone_range_m = fans.truth()
         outside = self._from_beacons(time_s, np.array(sonars), sensor_xy_m, axis_rad)
@@ -370,8 +398,10 @@ class _Fans:
         sonars: tuple[int, ...],
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
+        *,
+        alone: bool,
     ) -> None:
-        self._sonar, self._caster = sonar, caster
+        self._sonar, self._caster, self._alone = sonar, caster, alone
         self._radius_m, self._reflect_db, self._floor_db = surfaces
         self._sonars = np.array(sonars, np.int64)
         self._all_xy_m, self._all_axis_rad = sensor_xy_m, axis_rad
@@ -560,6 +590,7 @@ class _Fans:
             # The foot of a face may lie between its last ray and the next one.
             6 * self._sonar.ray_step_rad,
             mirrors,
+            self._alone,
             self._sonar.receiver.pulse_s * self._sonar.air.speed_mps / 2,
         )
         return found

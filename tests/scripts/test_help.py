@@ -5,9 +5,9 @@ import sys
 
 import pytest
 
-import sim.cone
 import sim.drivers
 import sim.engine
+import sim.sonars
 import sonarmap as sm
 from sonarbed.cli import app, main
 from sonarbed.options import P2, ModelName
@@ -75,7 +75,8 @@ def test_help_names_what_the_code_knows(help_of):
     simulate, import_, map_ = (help_of(command) for command in ("simulate", "import", "map"))
     *first, last = sim.drivers.names()
     assert f"{', '.join(first)} or {last}." in simulate
-    assert f"{' or '.join(sim.cone.PRESETS)}. [default: thesis]" in simulate
+    *sonars, last_sonar = sim.sonars.PRESETS
+    assert f"{', '.join(sonars)} or {last_sonar}. [default: thesis]" in simulate
     assert f"{' or '.join(sim.engine.ENGINES)}. [default: bullet]" in simulate
     *first, last = sm.rings()
     assert f"{', '.join(first)} or {last};" in import_

@@ -7,7 +7,7 @@ import pytest
 
 import sonarbed.studies.openings as study
 import worlds
-from sim.cone import preset
+from sim.sonars import preset
 from sonarbed.studies.openings import Line, counts, derived, farthest_m, run, seeing_half_angle_rad
 from sonarbed.studies.setting import Setting
 

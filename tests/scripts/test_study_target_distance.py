@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sonarbed.studies.target_distance as study
-from sim.cone import preset
+from sim.sonars import preset
 from sonarbed.studies.bench import board, post, readings, scene
 from sonarbed.studies.setting import Setting
 from sonarbed.studies.target_distance import edge_readings, excess_m, run

@@ -371,3 +371,12 @@ def test_closed_room_is_heard_by_all():
     places = np.column_stack([AMIGOBOT.x_m, AMIGOBOT.y_m])
     ears.fire(0.0, tuple(range(8)), places, AMIGOBOT.heading_rad)
     assert np.isfinite(ears.hear().range_m).all()
+
+
+def test_single_transducers_do_not_hear_each_other():
+    room, rng = world(wall(1.0)), np.random.default_rng(0)
+    places, axes = np.zeros((3, 2)), np.radians([0, 29, 5])
+    together = SHARP.listen(room.faces, room, places, axes, rng)
+    alone = [listen(room, axis_deg=angle).range_m[0] for angle in (0, 29, 5)]
+    assert together.range_m.tolist() == alone
+    assert Cause.CROSSTALK not in together.cause

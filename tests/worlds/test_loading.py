@@ -198,6 +198,11 @@ FAULTS = [
         "reflectivity = 1.5",
         "materials.felt.reflectivity: must be within [0, 1], got 1.5",
     ),
+    (
+        "roughness_mm = 2",
+        "roughness_mm = 2\ndiffuse_floor_db = 3",
+        "materials.felt.diffuse_floor_db: must be within [-100, 0], got 3",
+    ),
     ("roughness_mm = 2", "roughness_mm = -2", "materials.felt.roughness_mm: must be >= 0, got -2"),
     (
         "[-1, -1, 5, 4]",
@@ -346,3 +351,10 @@ def test_a_cut_file_is_refused_or_lacks_whole_things_at_its_end(load_text):
         else:
             assert [solid.name for solid in world.solids] == names[: len(world.solids)]
     assert refused > 50
+
+
+def test_a_material_may_tell_what_it_scatters(tmp_path):
+    path = tmp_path / "room.toml"
+    path.write_text(ROOM.replace("roughness_mm = 2", "roughness_mm = 2\ndiffuse_floor_db = -25"))
+    materials = {solid.material for solid in worlds.load(path).solids}
+    assert {m.diffuse_floor_db for m in materials if m.name == "felt"} == {-25.0}

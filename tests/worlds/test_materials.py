@@ -31,6 +31,12 @@ def test_rough_surfaces_return_sound_from_farther_aside():
     assert max(critical[name] for name in SMOOTH) < min(critical[name] for name in ROUGH)
 
 
+def test_rough_surfaces_scatter_more():
+    floor_db = {name: m.diffuse_floor_db for name, m in worlds.MATERIALS.items()}
+    assert max(floor_db[name] for name in SMOOTH) <= -40
+    assert min(floor_db[name] for name in ROUGH) >= -35
+
+
 def test_a_loss_in_decibels_becomes_a_share_of_the_amplitude():
     assert worlds.MATERIALS["smooth-cardboard"].reflectivity == pytest.approx(0.8913, abs=1e-4)
     assert worlds.MATERIALS["foam"].reflectivity < 0.2 < worlds.MATERIALS["curtain"].reflectivity
@@ -45,6 +51,8 @@ def test_a_loss_in_decibels_becomes_a_share_of_the_amplitude():
         ((1.0, 1.1, 0.0), r"reflectivity must be within \[0, 1\], got 1.1"),
         ((1.0, math.nan, 0.0), r"reflectivity must be within"),
         ((1.0, 1.0, -1e-3), r"roughness_m must be >= 0, got -0.001"),
+        ((1.0, 1.0, 0.0, 0.1), r"diffuse_floor_db must be within \[-100, 0\], got 0.1"),
+        ((1.0, 1.0, 0.0, -math.inf), r"diffuse_floor_db must be within"),
     ],
 )
 def test_impossible_materials_are_refused(values, rule):

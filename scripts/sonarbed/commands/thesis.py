@@ -31,7 +31,7 @@ def thesis(
 
     Example: sonarbed thesis --quick --out report
     """
-    from sim.cone import preset
+    from sim.sonars import preset
     from sonarbed.console import progress, say
     from sonarbed.report import write_report
     from sonarbed.studies import STUDIES, load

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 import sonarmap as sm
 import worlds
 from sim.acoustics import Sonar
-from sim.cone import preset
+from sim.sonars import preset
 from sonarbed.studies.bench import readings
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.section import Answer, Item, Section

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sim.acoustics import Sonar
-from sim.cone import preset
+from sim.sonars import preset
 from sonarbed.studies.bench import board, post, readings, scene
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.section import Answer, Item, Section
