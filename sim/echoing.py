@@ -210,7 +210,7 @@ def find_sounds(
 ):  # fmt: skip
     """Return the sounds that may be heard of the faces seen: (sounds, fan, listener, surface)."""
     sonars = axis_rad.size
-    most = pieces.shape[0] * (2 + sonars) + corners.shape[0] + edges.shape[0]
+    most = pieces.shape[0] * (2 + (1 if alone else sonars)) + corners.shape[0] + edges.shape[0]
     sounds = np.empty((most, SOUND_COLUMNS))
     sounds[:, SOUND_SEEN] = 0.0
     sounds[:, SOUND_QX] = sounds[:, SOUND_QY] = sounds[:, SOUND_BACK] = math.nan
@@ -286,14 +286,12 @@ def find_sounds(
 
         # Ways that end elsewhere than they began: the image of the image, seen by the listener.
         ix, iy = rays[i, RAY_IX] - 2 * half * nx, rays[i, RAY_IY] - 2 * half * ny
-        for sonar in range(sonars):
+        for sonar in range(own if alone else 0, own + 1 if alone else sonars):
             if sonar == own:
                 # Of two faces at a right angle the corner is told already.
                 square = abs(rays[i, RAY_MX] * nx + rays[i, RAY_MY] * ny) < _RIGHT_ANGLE
                 if mirrors == 0 or square:
                     continue
-            elif alone:
-                continue
             x, y = sensor_xy_m[sonar, 0], sensor_xy_m[sonar, 1]
             height = (x - pieces[p, PIECE_X]) * nx + (y - pieces[p, PIECE_Y]) * ny
             if height <= 0 or half <= 0:

@@ -195,7 +195,7 @@ def counts(
     rng : numpy.random.Generator
         Noise of the readings.
     """
-    step_m = _SPEED_MPS * sonar.scan_period_s
+    step_m = _SPEED_MPS * sonar.firing.period_s
     # Before and behind the opening there is nothing but board.
     half = math.ceil(gap_m / 2 / step_m) + 1
     along_m = np.arange(-half, half + 1) * step_m + first_m
@@ -238,7 +238,7 @@ def _passes(task: tuple[str, tuple[float, ...], tuple[float, ...], int]) -> NDAr
     name, gaps_m, distances_m, seed = task
     sonar, rng = preset(name), np.random.default_rng(seed)
     # The robot's scans know nothing of the opening's edges, so the first lies anywhere.
-    step_m = _SPEED_MPS * sonar.scan_period_s
+    step_m = _SPEED_MPS * sonar.firing.period_s
     distances = np.array(distances_m)
     return np.array([counts(sonar, gap, distances, rng.uniform(0, step_m), rng) for gap in gaps_m])
 
@@ -247,7 +247,7 @@ def _drive(setting: Setting, sonar: Sonar, near_m: float) -> list[_Driven]:
     """Pass the thesis's opening with the robot, and again on the bench from the same places."""
     rig = worlds.load(_ROOM, gap_m=_THESIS_GAP_M)
     way_m = _THESIS_GAP_M / 2 + 0.2 - rig.start.x_m
-    scans = math.ceil(way_m / (_SPEED_MPS * sonar.scan_period_s))
+    scans = math.ceil(way_m / (_SPEED_MPS * sonar.firing.period_s))
     left = int(np.argmin(np.abs(sonar.ring.heading_rad - np.pi / 2)))
     passed = []
     for distance_m in (near_m, *(_DRIVEN_M[::2] if setting.quick else _DRIVEN_M)):
