@@ -111,7 +111,10 @@ REFUSED = [
     # Drives.
     ("simulate nowhere --out a.parquet", "unknown world 'nowhere'"),
     ("simulate office --out a.parquet --driver rout", "driver 'rout' is unknown; did you mean"),
-    ("simulate office --out a.parquet --sonar x", "sonar 'x' is unknown; known: aria, thesis"),
+    (
+        "simulate office --out a.parquet --sonar x",
+        "sonar 'x' is unknown; known: aria, physical, thesis, webots",
+    ),
     ("simulate office --out a.parquet --engine x", "engine 'x' is unknown"),
     ("simulate office --out a.parquet --scans 0", "scans must be >= 1, got 0"),
     ("simulate office --out a.parquet --scans -3", "scans must be >= 1, got -3"),
