@@ -8,7 +8,7 @@ import worlds
 
 def main() -> None:
     world = worlds.load("office")
-    log = sim.simulate(world, scans=500, seed=0, driver="route")
+    log = sim.simulate(world, scans=500, seed=0, driver="route", sonar="thesis")
     for resolution_m in (0.05, 0.01):
         truth, made_s = timed(lambda size=resolution_m: worlds.truth(world, resolution_m=size))
         _, seen_s = timed(lambda grid=truth: grid.observable(log))

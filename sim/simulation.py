@@ -29,7 +29,7 @@ def simulate(
     scans: int,
     seed: int,
     driver: str | Driver = "thesis",
-    sonar: str | Sonar = "thesis",
+    sonar: str | Sonar = "physical",
     engine: str = "bullet",
     odometry: OdometryModel | None = None,
     packets: StatusPackets | None = None,
@@ -50,7 +50,8 @@ def simulate(
     driver : str or Driver
         Who drives: a name of `sim.drivers.names()` or a driver.
     sonar : str or Sonar
-        The sonars: a name of `sim.sonars.PRESETS` or a sonar.
+        The sonars: a name of `sim.sonars.PRESETS` or a sonar. By default those that behave like
+        sonars; "thesis" is the simple cone, quicker and easier to reason about.
     engine : str
         What moves the robot and casts the rays: "bullet".
     odometry : OdometryModel, optional

@@ -95,7 +95,7 @@ def test_options_of_a_map_reach_the_model(run):
 
 
 def test_the_models_are_the_thesis_own_by_default(run):
-    run("simulate thesis-exp1 --scans 2 --out drive.parquet")
+    run("simulate thesis-exp1 --scans 2 --sonar thesis --out drive.parquet")
     for name, model in (
         ("standard", sm.StandardModel.thesis()),
         ("parameterized", sm.ParameterizedModel.thesis()),
@@ -150,7 +150,7 @@ def test_demo_writes_the_files_it_promises(run, tmp_path):
 
     world = worlds.load("thesis-exp1")
     log = sm.read_log(folder / "log.parquet")
-    sim.simulate(world, scans=12, seed=2).write("again.parquet")
+    sim.simulate(world, scans=12, seed=2, sonar="thesis").write("again.parquet")
     assert (folder / "log.parquet").read_bytes() == (tmp_path / "again.parquet").read_bytes()
     scores = json.loads((folder / "scores.json").read_text())
     assert list(scores) == sorted(DEMO_MAPS.values())

@@ -76,7 +76,7 @@ def test_help_names_what_the_code_knows(help_of):
     *first, last = sim.drivers.names()
     assert f"{', '.join(first)} or {last}." in simulate
     *sonars, last_sonar = sim.sonars.PRESETS
-    assert f"{', '.join(sonars)} or {last_sonar}. [default: thesis]" in simulate
+    assert f"{', '.join(sonars)} or {last_sonar}. [default: physical]" in simulate
     assert f"{' or '.join(sim.engine.ENGINES)}. [default: bullet]" in simulate
     *first, last = sm.rings()
     assert f"{', '.join(first)} or {last};" in import_

@@ -266,7 +266,7 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     for name, hsr in ways.items():
         direct[name] = []
         for seed in (0, 1):
-            log = sim.simulate(room, scans=6, seed=seed, driver="route")
+            log = sim.simulate(room, scans=6, seed=seed, driver="route", sonar="thesis")
             mended = log if hsr is None else sm.hsr(log, hsr).log
             built = sm.build_map(mended, model, truth.grid, max_range_m=2.0)
             score = sm.score_map(built, truth, observable=truth.observable(log))

@@ -54,7 +54,7 @@ def test_way_points_are_visited_there_and_back(rng):
 @pytest.mark.engine
 def test_route_is_driven_within_reach_of_its_points():
     room = worlds.load("l-shape")
-    log = sim.simulate(room, scans=700, seed=0, driver="route")
+    log = sim.simulate(room, scans=700, seed=0, driver="route", sonar="thesis")
     for x_m, y_m in room.route_m:
         assert np.hypot(log.x_m - x_m, log.y_m - y_m).min() < 0.11
     assert not log.truth.collision.any()
@@ -65,7 +65,7 @@ def test_route_is_driven_within_reach_of_its_points():
 def test_wall_is_kept_at_its_distance(side):
     towards = 1 if side == "left" else -1
     room = closed_room(2.0, start=(-1.0, towards * 1.3, 0.0))
-    log = sim.simulate(room, scans=400, seed=0, driver=WallFollower(0.5, side))
+    log = sim.simulate(room, scans=400, seed=0, driver=WallFollower(0.5, side), sonar="thesis")
     assert not log.truth.collision.any()
     # From the sonar, 0.1 m beside the middle, to the nearest wall; corners are cut.
     to_wall_m = 2.0 - np.maximum(np.abs(log.truth.x_m), np.abs(log.truth.y_m)) - 0.1
@@ -77,14 +77,16 @@ def test_wall_is_kept_at_its_distance(side):
 
 @pytest.mark.engine
 def test_wall_follower_that_finds_no_wall_does_not_circle_for_ever():
-    log = sim.simulate(closed_room(4.5), scans=500, seed=0, driver=WallFollower(speed_mps=0.3))
+    log = sim.simulate(
+        closed_room(4.5), scans=500, seed=0, driver=WallFollower(speed_mps=0.3), sonar="thesis"
+    )
     assert np.hypot(log.truth.x_m, log.truth.y_m).max() > 3
 
 
 @pytest.mark.engine
 @pytest.mark.parametrize("seed", range(3))
 def test_wanderer_stays_clear_and_gets_about(seed):
-    log = sim.simulate(closed_room(1.8), scans=400, seed=seed, driver="wander")
+    log = sim.simulate(closed_room(1.8), scans=400, seed=seed, driver="wander", sonar="thesis")
     assert log.truth.collision.mean() < 0.02
     assert np.ptp(log.truth.x_m) + np.ptp(log.truth.y_m) > 1.5
 

@@ -15,6 +15,7 @@ def demo(
     world: Annotated[str, typer.Option(help="The room to drive in, or its file.")] = "thesis-exp1",
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
+    sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "thesis",
 ) -> None:
     """Drive in a room, run HSR, map with both sensor models, score and picture the maps.
 
@@ -36,7 +37,13 @@ def demo(
     folder = make_folder(out)
     with progress() as bars:
         driving = bars.add_task("driving, scans", total=scans)
-        log = sim.simulate(room, scans=scans, seed=seed, on_scan=lambda scan: bars.advance(driving))
+        log = sim.simulate(
+            room,
+            scans=scans,
+            seed=seed,
+            sonar=sonar,
+            on_scan=lambda scan: bars.advance(driving),
+        )
         bars.add_task("mapping, scoring, drawing", total=None)
         mended = sm.hsr(log, sm.HsrParams.thesis(log.ring)).log
         truth = worlds.truth(room)

@@ -31,7 +31,7 @@ def simulate(
         str,
         typer.Option(help="thesis, straight, route, follow-left, follow-right or wander."),
     ] = "thesis",
-    sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "thesis",
+    sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "physical",
     engine: Annotated[str, typer.Option(help="bullet.")] = "bullet",
     jobs: Annotated[int, typer.Option(help="Processes, for several seeds.")] = 1,
     setting: Setting = None,

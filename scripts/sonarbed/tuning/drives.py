@@ -75,7 +75,9 @@ def simulate_drive(task: tuple[Path, DriveName]) -> None:
     import sim  # the simulator: loaded only when a drive is missing
 
     folder, name = task
-    log = sim.simulate(worlds.load(name.room), scans=name.scans, seed=name.seed, driver=name.driver)
+    log = sim.simulate(
+        worlds.load(name.room), scans=name.scans, seed=name.seed, driver=name.driver, sonar="thesis"
+    )
     log.replace(provenance={**log.provenance, _KEY: name.to_dict()}).write(folder / name.file)
 
 
