@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-__all__ = ["as_json", "print_json", "print_table", "progress", "say", "score_rows"]
+__all__ = ["as_json", "print_json", "print_table", "progress", "say", "score_rows", "working"]
 
 # A file or a pipe has no width: tables in it are as wide as they like, up to this.
 _PIPE_WIDTH = 200
@@ -72,6 +72,14 @@ def progress() -> Iterator[Progress]:
     )
     with bars:
         yield bars
+
+
+@contextmanager
+def working(label: str) -> Iterator[None]:
+    """Show that something is going on while the block runs, when it cannot tell how far it is."""
+    with progress() as bars:
+        bars.add_task(label, total=None)
+        yield
 
 
 def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:

@@ -46,7 +46,7 @@ def hsr(
       sonarbed hsr drive.parquet --out hsr.parquet --png hsr.png
     """
     import sonarmap as sm
-    from sonarbed.console import print_json, print_table, say
+    from sonarbed.console import print_json, print_table, say, working
     from sonarmap.errors import InputError
 
     if log.resolve() == out.resolve():
@@ -62,13 +62,14 @@ def hsr(
         cell_m=cell,
         max_passes=max_passes,
     )
-    result = sm.hsr(before, params)
-    score = None if before.truth is None else sm.score_readings(before, result.log)
-    result.log.write(out)
-    if png is not None:
-        from sonarbed.hsr_picture import draw_hsr
+    with working("HSR"):
+        result = sm.hsr(before, params)
+        score = None if before.truth is None else sm.score_readings(before, result.log)
+        result.log.write(out)
+        if png is not None:
+            from sonarbed.hsr_picture import draw_hsr
 
-        draw_hsr(before, result, params, png)
+            draw_hsr(before, result, params, png)
     facts = _facts(before, result)
     if as_json:
         about = {"file": str(out), **facts, "score": None if score is None else score.to_dict()}

@@ -56,7 +56,7 @@ def map_(
       sonarbed map drive.parquet --out map --png map.png
     """
     import sonarmap as sm
-    from sonarbed.console import print_json, say
+    from sonarbed.console import print_json, say, working
 
     check_writable(png, ".png")
     readings = sm.read_log(log)
@@ -72,14 +72,15 @@ def map_(
         max_range_m=limit_m,
     )
     grid = sm.grid_over(readings, resolution_m=resolution, max_range_m=limit_m)
-    built = sm.build_map(
-        readings, sensor_model, grid, max_range_m=limit_m, no_echo=no_echo, poses=poses
-    )
-    built.save(out)
-    if png is not None:
-        from sonarbed.pictures import draw_map
+    with working("mapping"):
+        built = sm.build_map(
+            readings, sensor_model, grid, max_range_m=limit_m, no_echo=no_echo, poses=poses
+        )
+        built.save(out)
+        if png is not None:
+            from sonarbed.pictures import draw_map
 
-        draw_map(built, readings, png)
+            draw_map(built, readings, png)
     if as_json:
         print_json(
             {

@@ -34,18 +34,18 @@ def score(
     """
     import sonarmap as sm
     import worlds
-    from sonarbed.console import print_json, print_table, score_rows
+    from sonarbed.console import print_json, print_table, score_rows, working
     from sonarbed.options import load_world
 
     built = sm.OccupancyMap.load(map_)
     room = load_world(world, setting)
-    truth = worlds.truth(room, built.grid)
-    observable = None
-    if log is not None:
-        drive = sm.read_log(log)
+    drive = None if log is None else sm.read_log(log)
+    if drive is not None:
         _check_room(drive, room)
-        observable = truth.observable(drive)
-    scores = sm.score_map(built, truth, observable=observable).to_dict()
+    with working("scoring"):
+        truth = worlds.truth(room, built.grid)
+        observable = None if drive is None else truth.observable(drive)
+        scores = sm.score_map(built, truth, observable=observable).to_dict()
     if as_json:
         print_json(scores)
         return
