@@ -43,7 +43,9 @@ class _Question:
         )
 
 
-def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, Path]:
+def write_report(
+    setting: Setting, sections: Sequence[Section], *, page: str = "thesis"
+) -> tuple[Path, Path]:
     """Write ``report.html`` and ``report.md`` into the setting's folder; return their paths.
 
     Parameters
@@ -52,6 +54,8 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
         Where the sections' figures and tables are, and what is told of how they were made.
     sections : sequence of Section
         The studies that are done, in the order of the report.
+    page : str
+        Which page: templates of this name give it its title, its beginning and its words.
     """
     environment = Environment(
         loader=PackageLoader("sonarbed", "templates"),
@@ -70,11 +74,11 @@ def write_report(setting: Setting, sections: Sequence[Section]) -> tuple[Path, P
         "questions": [_Question.of(number, sections) for number in QUESTIONS],
     }
     written = []
-    for name in ("report.html", "report.md"):
-        text = environment.get_template(f"{name}.j2").render(context)
-        with atomic_path(setting.folder / name) as path:
+    for suffix in ("html", "md"):
+        text = environment.get_template(f"{page}.{suffix}.j2").render(context)
+        with atomic_path(setting.folder / f"report.{suffix}") as path:
             path.write_text(text, encoding="utf-8")
-        written.append(setting.folder / name)
+        written.append(setting.folder / f"report.{suffix}")
     return written[0], written[1]
 
 

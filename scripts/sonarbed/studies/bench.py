@@ -6,10 +6,10 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from sim.acoustics import Sonar
+from sim.acoustics import Echoes, Sonar
 from worlds import MATERIALS, Pose, Solid, World
 
-__all__ = ["board", "post", "readings", "scene"]
+__all__ = ["board", "echoes", "post", "readings", "scene"]
 
 # Of what stands on the bench only the height matters: above the sonar's.
 _HEIGHT_M = 1.0
@@ -51,6 +51,20 @@ def readings(
 ) -> NDArray[np.float64]:
     """Return what a sonar reads at each of n places, metres; +inf no echo, -inf too close.
 
+    The parameters are those of `echoes`.
+    """
+    return echoes(sonar, world, xy_m, axis_rad, rng).range_m
+
+
+def echoes(
+    sonar: Sonar,
+    world: World,
+    xy_m: NDArray[np.float64],
+    axis_rad: ArrayLike,
+    rng: np.random.Generator,
+) -> Echoes:
+    """Return what a sonar hears at each of n places, with the truth about it.
+
     The exact faces of the world take the place of the physics engine: nothing moves here.
 
     Parameters
@@ -68,4 +82,4 @@ def readings(
     """
     # All places at once are as many transducers that do not hear each other.
     axes = np.broadcast_to(np.asarray(axis_rad, float), len(xy_m))
-    return sonar.listen(world.faces, world, xy_m, axes, rng).range_m
+    return sonar.listen(world.faces, world, xy_m, axes, rng)

@@ -39,14 +39,14 @@ ANSWERED_BY = {
 
 @dataclass(frozen=True)
 class Item:
-    """A figure or table of the thesis, made again.
+    """A figure or table: of the thesis, made again, or of theory, beside what is simulated.
 
     Parameters
     ----------
     number : str
         Which, such as "Figure 6.15 and table 6.1".
     thesis : str
-        What the thesis shows or says there.
+        What the thesis, or theory, shows or says there.
     finding : str
         What ours shows: a sentence with the number that decides.
     figures : tuple of (file, caption)

@@ -51,6 +51,8 @@ class Setting:
         Called with a label, how much is done, and how much there is.
     study : str
         The study that is running; its files go into its own folder.
+    report : str
+        Which report it is; the folder of one is refused to the other.
     """
 
     folder: Path
@@ -59,6 +61,7 @@ class Setting:
     jobs: int = 2
     on_progress: Callable[[str, int, int], None] = field(default=_no_progress, compare=False)
     study: str = ""
+    report: str = "thesis"
 
     @property
     def seeds(self) -> range:
@@ -91,6 +94,7 @@ class Setting:
             "sonarbed": version("sonarbed"),
             "quick": self.quick,
             "sonar": self.sonar,
+            "report": self.report,
         }
         file = self.folder / _FILE
         if not file.exists():
@@ -103,6 +107,7 @@ class Setting:
             found = None
         if not isinstance(found, dict):
             raise InputError(f"{file}: is not the setting of a report: choose another folder")
+        found.setdefault("report", "thesis")  # folders from when there was no other
         for name, value in mine.items():
             if found.get(name) != value:
                 raise InputError(
