@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import typer
 from typer.exceptions import TyperException
 
+from sonarbed.commands.acoustics import acoustics
 from sonarbed.commands.demo import demo
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
@@ -46,6 +47,7 @@ app.command("map")(map_)
 app.command()(score)
 app.command()(tune)
 app.command()(thesis)
+app.command()(acoustics)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

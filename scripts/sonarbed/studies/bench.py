@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from sim.acoustics import Echoes, Sonar
-from worlds import MATERIALS, Pose, Solid, World
+from worlds import MATERIALS, Material, Pose, Solid, World
 
 __all__ = ["board", "echoes", "post", "readings", "scene"]
 
@@ -15,16 +15,22 @@ __all__ = ["board", "echoes", "post", "readings", "scene"]
 _HEIGHT_M = 1.0
 
 
-def board(name: str, width_m: float, *, material: str, thickness_m: float = 0.02) -> Solid:
+def board(
+    name: str, width_m: float, *, material: str | Material, thickness_m: float = 0.02
+) -> Solid:
     """Return a flat board whose face, on x = 0 and about the origin, looks to smaller x."""
     outline = shapely.box(0.0, -width_m / 2, thickness_m, width_m / 2)
-    return Solid(name, MATERIALS[material], _HEIGHT_M, outline)
+    return Solid(name, _material(material), _HEIGHT_M, outline)
 
 
-def post(name: str, radius_m: float, *, material: str) -> Solid:
+def post(name: str, radius_m: float, *, material: str | Material) -> Solid:
     """Return a round post that touches x = 0 in the origin from the side of larger x."""
     outline = shapely.Point(radius_m, 0.0).buffer(radius_m, quad_segs=32)
-    return Solid(name, MATERIALS[material], _HEIGHT_M, outline, (radius_m, 0.0, radius_m))
+    return Solid(name, _material(material), _HEIGHT_M, outline, (radius_m, 0.0, radius_m))
+
+
+def _material(material: str | Material) -> Material:
+    return MATERIALS[material] if isinstance(material, str) else material
 
 
 def scene(*solids: Solid) -> World:
