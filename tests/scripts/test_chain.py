@@ -174,3 +174,11 @@ def test_a_drive_that_ends_at_a_wall_says_so(run):
     log = sm.read_log("drive.parquet")
     assert told["collision_scans"] == np.unique(log.scan[log.truth.collision]).size > 0
     assert f"In {told['collision_scans']} scans the robot touched something" in run(f"{line} 80")
+
+
+def test_packets_repeat_old_values_and_say_so(run):
+    run("simulate corridor --driver route --scans 4 --packets --out packets.parquet")
+    log = sm.read_log("packets.parquet")
+    assert log.stale.any()
+    assert not log.stale.all()
+    assert log.provenance["packets"]["period_s"] == 0.1

@@ -32,6 +32,13 @@ def simulate(
         typer.Option(help="thesis, straight, route, follow-left, follow-right or wander."),
     ] = "thesis",
     sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "physical",
+    packets: Annotated[
+        bool,
+        typer.Option(
+            "--packets",
+            help="Log the robot's status packets, every 100 ms, with old values repeated.",
+        ),
+    ] = False,
     engine: Annotated[str, typer.Option(help="bullet.")] = "bullet",
     jobs: Annotated[int, typer.Option(help="Processes, for several seeds.")] = 1,
     setting: Setting = None,
@@ -56,6 +63,10 @@ def simulate(
         raise InputError("--gui shows one drive: give one seed")
     room = load_world(world, setting)
     arguments = {"scans": scans, "driver": driver, "sonar": sonar, "engine": engine}
+    if packets:
+        from sim.packets import StatusPackets
+
+        arguments["packets"] = StatusPackets()
     if ":" in seed:
         told = _many(room, out, seeds, jobs, arguments)
         logs = told["logs"]
