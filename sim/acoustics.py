@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from sim.engine import RayCaster
@@ -18,6 +20,19 @@ __all__ = ["SAME_POINT_M", "Ears", "EarsTogether", "Echoes", "Sonar", "cause_of"
 SAME_POINT_M = 0.06
 """Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
 and the edge of the cone at 2 m)."""
+
+
+# What compiled code knows of the causes.
+_DIRECT, _OFF_AXIS, _OUT_OF_RANGE, _BOUNCE, _DROPOUT = (
+    int(cause)
+    for cause in (
+        Cause.DIRECT,
+        Cause.OFF_AXIS,
+        Cause.OUT_OF_RANGE,
+        Cause.BOUNCE,
+        Cause.DROPOUT,
+    )
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +153,7 @@ class EarsTogether:
         return self._heard
 
 
+@njit(cache=True)  # a scan has a few readings: numpy's own calls would cost more than they do
 def cause_of(
     heard_m: NDArray[np.float64],
     bounces: NDArray[np.int16],
@@ -161,12 +177,16 @@ def cause_of(
     within `SAME_POINT_M` of it, OFF_AXIS nearer. A straight echo from farther says that what
     stands on the axis was not heard, so it is a DROPOUT, as is silence with something in range.
     """
-    silent = np.isinf(heard_m)
-    beyond_axis = heard_m > axis_range_m + SAME_POINT_M
-    cause = np.full(heard_m.shape, Cause.OFF_AXIS, np.int8)
-    cause[heard_m >= axis_range_m - SAME_POINT_M] = Cause.DIRECT
-    cause[beyond_axis] = Cause.DROPOUT
-    cause[bounces > 0] = Cause.BOUNCE
-    cause[silent] = Cause.DROPOUT
-    cause[silent & np.isinf(cone_range_m)] = Cause.OUT_OF_RANGE
+    cause = np.empty(heard_m.size, np.int8)
+    for i in range(heard_m.size):
+        if math.isinf(heard_m[i]):
+            cause[i] = _OUT_OF_RANGE if math.isinf(cone_range_m[i]) else _DROPOUT
+        elif bounces[i] > 0:
+            cause[i] = _BOUNCE
+        elif heard_m[i] > axis_range_m[i] + SAME_POINT_M:
+            cause[i] = _DROPOUT
+        elif heard_m[i] >= axis_range_m[i] - SAME_POINT_M:
+            cause[i] = _DIRECT
+        else:
+            cause[i] = _OFF_AXIS
     return cause

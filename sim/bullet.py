@@ -33,6 +33,7 @@ _MOTOR_TORQUE_NM = 5.0
 _TOUCH_PERIOD_S = 0.05
 _SETTLE_S = 0.1
 _GRAVITY_MPS2 = 9.81
+_NONE = np.empty(0, np.int64)
 
 
 class Bullet:
@@ -136,7 +137,7 @@ class Bullet:
         distance_m[surface < 0] = np.inf
         # Flat, because numpy is slow at reading tuples within tuples.
         normal_xy = np.fromiter(chain.from_iterable(normal), float, 3 * n).reshape(n, 3)[:, :2]
-        round_ = np.flatnonzero(self._is_pillar[surface])
+        round_ = np.flatnonzero(self._is_pillar[surface]) if self._has_pillars else _NONE
         if round_.size:
             distance_m[round_], normal_xy[round_] = _on_circles(
                 origins_xy_m[round_], directions_xy[round_], self._circles[surface[round_]]
@@ -162,6 +163,7 @@ class Bullet:
         circles = [solid.circle or (0.0, 0.0, 0.0) for solid in world.solids]
         self._circles = np.array([*circles, (0.0, 0.0, 0.0)])
         self._is_pillar = self._circles[:, 2] > 0
+        self._has_pillars = bool(self._is_pillar.any())
         self._add_robot(world.start)
 
     def _add_solid(self, solid: Solid) -> int:

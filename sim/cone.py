@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.acoustics import Ears, EarsTogether, Echoes, cause_of
 from sim.engine import RayCaster
 from sim.firing import AllAtOnce
-from sim.following import meet_surfaces
+from sim.following import meet_surfaces, open_fans
 from sonarmap import InputError, LogTruth, SonarRing
 from sonarmap.errors import non_negative, positive
 from worlds import World
@@ -110,11 +110,9 @@ class ConeSonar:
             Draws k values of noise whatever is heard.
         """
         k, far_m = len(axis_rad), self.ring.range_max_m
-        angle = (axis_rad[:, None] + self._bearing_rad).ravel()
-        direction = np.column_stack([np.cos(angle), np.sin(angle)])
-        origin = np.repeat(sensor_xy_m, self.rays, axis=0)
-        fan = np.repeat(np.arange(k), self.rays)
-        travelled_m, strength = np.zeros(fan.size), np.ones(fan.size)
+        fan, origin, direction, travelled_m, strength = open_fans(
+            sensor_xy_m, axis_rad, self._bearing_rad
+        )
 
         # First return: of each fan the ray whose sound is back first.
         heard_m = np.full(k, far_m)

@@ -1,4 +1,4 @@
-"""The compiled step of the simple cone: what becomes of rays that have met a surface."""
+"""The compiled steps of the simple cone: rays begin, and what becomes of them at a surface."""
 
 from __future__ import annotations
 
@@ -7,10 +7,38 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["meet_surfaces"]
+__all__ = ["meet_surfaces", "open_fans"]
 
 # A mirrored ray begins this far off the surface, so that it does not meet it again; metres.
 _OFF_SURFACE_M = 1e-6
+
+
+@njit(cache=True)
+def open_fans(sensor_xy_m, axis_rad, bearing_rad):
+    """Return the rays of k fans, as `meet_surfaces` takes them.
+
+    Parameters
+    ----------
+    sensor_xy_m, axis_rad : ndarray, shapes (k, 2), (k,)
+        Where each fan begins, metres, and its axis.
+    bearing_rad : ndarray, shape (rays,)
+        Bearings of its rays off the axis.
+
+    Returns
+    -------
+    fan, origin, direction, travelled_m, strength : ndarray
+        Of k times rays rays, fan by fan; nothing travelled yet, nothing lost.
+    """
+    rays = bearing_rad.size
+    n = axis_rad.size * rays
+    fan = np.empty(n, np.int64)
+    origin, direction = np.empty((n, 2)), np.empty((n, 2))
+    for i in range(n):
+        fan[i] = i // rays
+        angle = axis_rad[fan[i]] + bearing_rad[i % rays]
+        origin[i, 0], origin[i, 1] = sensor_xy_m[fan[i], 0], sensor_xy_m[fan[i], 1]
+        direction[i, 0], direction[i, 1] = math.cos(angle), math.sin(angle)
+    return fan, origin, direction, np.zeros(n), np.ones(n)
 
 
 @njit(cache=True)

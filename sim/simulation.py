@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -170,10 +171,11 @@ class _Drive:
 
 def _transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return true places (k, 2) and axes (k,) of the sonars."""
-    cos, sin = np.cos(pose.heading_rad), np.sin(pose.heading_rad)
-    x_m = pose.x_m + cos * ring.x_m - sin * ring.y_m
-    y_m = pose.y_m + sin * ring.x_m + cos * ring.y_m
-    return np.column_stack([x_m, y_m]), pose.heading_rad + ring.heading_rad
+    cos, sin = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
+    places = np.empty((len(ring), 2))
+    places[:, 0] = pose.x_m + cos * ring.x_m - sin * ring.y_m
+    places[:, 1] = pose.y_m + sin * ring.x_m + cos * ring.y_m
+    return places, pose.heading_rad + ring.heading_rad
 
 
 def _steps(time_s: float) -> int:
