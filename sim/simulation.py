@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -171,10 +170,7 @@ class _Drive:
 
 def _transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return true places (k, 2) and axes (k,) of the sonars."""
-    cos, sin = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
-    places = np.empty((len(ring), 2))
-    places[:, 0] = pose.x_m + cos * ring.x_m - sin * ring.y_m
-    places[:, 1] = pose.y_m + sin * ring.x_m + cos * ring.y_m
+    places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
     return places, pose.heading_rad + ring.heading_rad
 
 

@@ -232,7 +232,7 @@ class SonarLog:
     @property
     def sensor_xy_m(self) -> NDArray[np.float64]:
         """Place of the sonar at each firing by odometry, metres, shape (n, 2)."""
-        return _sensor_xy(self.ring, self.sonar, self.x_m, self.y_m, self.heading_rad)
+        return self.ring.sensor_xy_m(self.sonar, self.x_m, self.y_m, self.heading_rad)
 
     @property
     def axis_rad(self) -> NDArray[np.float64]:
@@ -266,18 +266,6 @@ class SonarLog:
         if self.truth is None:
             raise InputError(f"the log has no truth (a real robot's?), needed for {purpose}")
         return self.truth
-
-
-def _sensor_xy(
-    ring: SonarRing,
-    sonar: NDArray[np.int16],
-    x_m: NDArray[np.float64],
-    y_m: NDArray[np.float64],
-    heading_rad: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
-    forward, left = ring.x_m[sonar], ring.y_m[sonar]
-    return np.column_stack([x_m + cos * forward - sin * left, y_m + sin * forward + cos * left])
 
 
 def _freeze(target: object, name: str, dtype: Any, size: int, prefix: str = "") -> None:

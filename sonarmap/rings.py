@@ -72,6 +72,29 @@ class SonarRing:
     def __hash__(self) -> int:
         return hash((self.name, len(self), self.half_angle_rad, self.range_max_m))
 
+    def sensor_xy_m(
+        self,
+        sonar: NDArray[np.integer] | slice,
+        x_m: NDArray[np.float64] | float,
+        y_m: NDArray[np.float64] | float,
+        heading_rad: NDArray[np.float64] | float,
+    ) -> NDArray[np.float64]:
+        """Return the places of sonars on a robot at the given poses, metres, shape (n, 2).
+
+        Parameters
+        ----------
+        sonar : ndarray of int, shape (n,), or slice
+            Numbers of the sonars.
+        x_m, y_m, heading_rad : array_like, shape (n,) or scalars
+            Poses of the robot, metres and radians.
+        """
+        cos, sin = np.cos(heading_rad), np.sin(heading_rad)
+        ahead, left = self.x_m[sonar], self.y_m[sonar]
+        places = np.empty((ahead.size, 2))
+        places[:, 0] = x_m + cos * ahead - sin * left
+        places[:, 1] = y_m + sin * ahead + cos * left
+        return places
+
     def to_dict(self) -> dict[str, Any]:
         """Return the ring as plain numbers and lists, as a log file stores it."""
         return {

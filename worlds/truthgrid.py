@@ -167,12 +167,5 @@ def _cones(log: SonarLog) -> NDArray[np.float64]:
     firings = np.column_stack([log.truth.x_m, log.truth.y_m, log.truth.heading_rad, log.sonar])
     x_m, y_m, heading_rad, sonar = np.unique(firings, axis=0).T
     mount = sonar.astype(int)
-    ahead, left = log.ring.x_m[mount], log.ring.y_m[mount]
-    cos, sin = np.cos(heading_rad), np.sin(heading_rad)
-    return np.column_stack(
-        [
-            x_m + cos * ahead - sin * left,
-            y_m + sin * ahead + cos * left,
-            heading_rad + log.ring.heading_rad[mount],
-        ]
-    )
+    places = log.ring.sensor_xy_m(mount, x_m, y_m, heading_rad)
+    return np.column_stack([places, heading_rad + log.ring.heading_rad[mount]])

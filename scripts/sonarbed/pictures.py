@@ -19,7 +19,7 @@ import sonarmap as sm
 import worlds
 from sonarmap.files import atomic_path
 
-__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world", "plan", "save"]
+__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world", "plan", "save", "show_map"]
 
 # Okabe and Ito's palette: told apart by colour-blind people too.
 CAUSE_COLOURS = {
@@ -72,7 +72,8 @@ def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
     """Draw a map with the robot's path by odometry."""
     left, right, bottom, top = built.grid.extent_m
     figure, axes = _plan_figure(right - left, top - bottom)
-    _map(axes, built)
+    show_map(axes, built)
+    plan(axes)
     axes.plot(log.x_m, log.y_m, color=_PATH, lw=1.5, label="path by odometry")
     axes.plot(log.x_m[0], log.y_m[0], "o", color=_PATH, ms=6, label="start")
     figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
@@ -114,7 +115,8 @@ def draw_demo(
     _truth(true, truth, observable)
     true.set_title("truth (light: never observable)")
     for axes, (name, built) in zip(mapped, maps.items(), strict=True):
-        _map(axes, built)
+        show_map(axes, built)
+        plan(axes)
         axes.set_title(name)
     figure.colorbar(mapped[-1].images[0], ax=mapped, shrink=0.8, label="P(occupied)")
 
@@ -237,7 +239,8 @@ def _truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -
     plan(axes)
 
 
-def _map(axes: Axes, built: sm.OccupancyMap) -> None:
+def show_map(axes: Axes, built: sm.OccupancyMap) -> None:
+    """Show P(occupied) in grey: black is occupied."""
     axes.imshow(
         built.probability,
         cmap="Greys",
@@ -247,7 +250,6 @@ def _map(axes: Axes, built: sm.OccupancyMap) -> None:
         extent=built.grid.extent_m,
         interpolation="nearest",
     )
-    plan(axes)
 
 
 def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

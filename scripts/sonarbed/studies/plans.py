@@ -7,12 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
-import sonarmap as sm
 import worlds
 from sonarbed.studies.drawing import COLOURS
 from sonarbed.studies.free_space import FreeSpace
 
-__all__ = ["draw_cells", "draw_map", "draw_outline", "draw_points"]
+__all__ = ["draw_cells", "draw_outline", "draw_points"]
 
 
 def draw_outline(
@@ -31,19 +30,6 @@ def draw_outline(
     axes.set_aspect("equal")
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
-
-
-def draw_map(axes: Axes, built: sm.OccupancyMap) -> None:
-    """Draw P(occupied) in grey: black is occupied."""
-    axes.imshow(
-        built.probability,
-        cmap="Greys",
-        vmin=0,
-        vmax=1,
-        origin="lower",
-        extent=built.grid.extent_m,
-        interpolation="nearest",
-    )
 
 
 def draw_cells(axes: Axes, truth: worlds.TruthGrid) -> None:

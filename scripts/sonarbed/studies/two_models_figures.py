@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
+from sonarbed import pictures
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.statistics import Estimate
 
@@ -49,15 +50,7 @@ def draw_truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_
 
 def show_map(axes: Axes, example: Example) -> None:
     """Draw a map with its title: white free, black occupied."""
-    axes.imshow(
-        example.map.probability,
-        cmap="Greys",
-        vmin=0,
-        vmax=1,
-        origin="lower",
-        extent=example.map.grid.extent_m,
-        interpolation="nearest",
-    )
+    pictures.show_map(axes, example.map)
     axes.set_title(example.title, fontsize=10)
     _plan(axes)
 

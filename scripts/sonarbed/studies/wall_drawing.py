@@ -10,9 +10,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import sonarmap as sm
+from sonarbed.pictures import show_map
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.free_space import plotted_points
-from sonarbed.studies.plans import draw_cells, draw_map, draw_outline, draw_points
+from sonarbed.studies.plans import draw_cells, draw_outline, draw_points
 from sonarbed.studies.statistics import mean_of
 from sonarbed.studies.wall_findings import SCORE
 from sonarbed.studies.wall_pairs import Experiment, in_table_6_1, pair_name
@@ -123,7 +124,7 @@ def _panels(
 
 
 def _draw_map(axes: Axes, room: Room, log: sm.SonarLog) -> None:
-    draw_map(axes, room.map_of(log, "clear"))
+    show_map(axes, room.map_of(log, "clear"))
 
 
 def _draw_plot(axes: Axes, room: Room, log: sm.SonarLog) -> None:
