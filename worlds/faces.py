@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +14,13 @@ from shapely import Polygon
 from sonarmap.errors import InputError
 from worlds.rays import RayHits
 
+if TYPE_CHECKING:
+    from worlds.facetable import FaceTable
+
 __all__ = ["Faces"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Faces:
     """Segments and circles, each with the index of the surface it belongs to.
 
@@ -66,6 +71,21 @@ class Faces:
             tuple(names),
         )
 
+    @cached_property
+    def table(self) -> FaceTable:
+        """The faces as compiled code takes them, metres."""
+        return self.table_in_cells((0.0, 0.0), 1.0)
+
+    def table_in_cells(self, origin_xy_m: tuple[float, float], cell_m: float) -> FaceTable:
+        """Return the table with lengths in cells of a grid instead of metres."""
+        from worlds.facetable import face_table  # numba is heavy: loaded when rays are cast
+
+        x_m, y_m = origin_xy_m
+        segments = (self.segments_m - (x_m, y_m, x_m, y_m)) / cell_m
+        circles = (self.circles_m - (x_m, y_m, 0.0)) / cell_m
+        surface = np.concatenate([self.segment_surface, self.circle_surface])
+        return face_table([(segments, circles, surface)])
+
     def cast(
         self, origins_xy_m: ArrayLike, directions_xy: ArrayLike, range_max_m: ArrayLike
     ) -> RayHits:
@@ -113,17 +133,7 @@ class Faces:
             raise InputError("range_max_m must be >= 0")
         from worlds.raycast import cast_rays  # numba is heavy: loaded when rays are cast
 
-        return RayHits(
-            *cast_rays(
-                origins,
-                directions,
-                reach,
-                self.segments_m,
-                self.segment_surface,
-                self.circles_m,
-                self.circle_surface,
-            )
-        )
+        return RayHits(*cast_rays(self.table, 0, origins, directions, reach))
 
 
 def _vectors(name: str, values: ArrayLike) -> NDArray[np.float64]:

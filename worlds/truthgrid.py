@@ -99,8 +99,7 @@ class TruthGrid:
             ring.range_max_m / cell_m,
             # One inset would end on the border of the cells that a solid only just touches.
             2 * INSET_M / cell_m,
-            (self.faces.segments_m - (x_m, y_m, x_m, y_m)) / cell_m,
-            (self.faces.circles_m - (x_m, y_m, 0.0)) / cell_m,
+            self.faces.table_in_cells(self.grid.origin_xy_m, cell_m),
         )
         seen &= self.state != HIDDEN
         return seen

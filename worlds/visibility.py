@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from worlds.facetable import FaceTable
 from worlds.raycast import face_normal, first_hit
 
 __all__ = ["mark_visible"]
@@ -27,8 +28,7 @@ def mark_visible(
     rays: int,
     reach: float,
     behind: float,
-    segments: _Floats,
-    circles: _Floats,
+    faces: FaceTable,
 ) -> None:
     """Mark in `seen` (rows, cols) what cones (n, 3) of x, y and axis angle see.
 
@@ -36,19 +36,22 @@ def mark_visible(
     face have seen the face between them as well: under a grazing angle their ends lie several
     cells apart. `behind` is how far the surface's own cell is looked for behind its face.
     """
+    segments, circles, _, grid, shape, cell_start, cell_face = faces
     for k in range(cones.shape[0]):
         x, y = cones[k, 0], cones[k, 1]
         last_face, last_x, last_y = -1, 0.0, 0.0
         for i in range(rays):
             angle = cones[k, 2] + half_angle * (2.0 * i / (rays - 1) - 1.0)
             dx, dy = math.cos(angle), math.sin(angle)
-            distance, face = first_hit(x, y, dx, dy, reach, segments, circles)
+            distance, face = first_hit(
+                segments, circles, grid, shape, cell_start, cell_face, 0, x, y, dx, dy, reach
+            )
             if face < 0:
                 _mark_line(seen, x, y, x + reach * dx, y + reach * dy)
             else:
                 hit_x, hit_y = x + distance * dx, y + distance * dy
                 _mark_line(seen, x, y, hit_x, hit_y)
-                nx, ny = face_normal(face, hit_x, hit_y, dx, dy, segments, circles)
+                nx, ny = face_normal(segments, circles, face, hit_x, hit_y, dx, dy)
                 hit_x, hit_y = hit_x - behind * nx, hit_y - behind * ny
                 _mark_line(seen, hit_x, hit_y, hit_x, hit_y)
                 if face == last_face:
