@@ -7,7 +7,6 @@ marked *assumed*.
 
 from __future__ import annotations
 
-import math
 from importlib.resources import files
 from pathlib import Path
 
@@ -54,40 +53,3 @@ firing are whole multiples of it."""
 def urdf_path() -> Path:
     """Return the path of the robot's URDF."""
     return Path(str(files("sim") / "models" / "amigobot.urdf"))
-
-
-def limited_speeds(
-    now_mps: tuple[float, float], wanted_mps: tuple[float, float], dt_s: float
-) -> tuple[float, float]:
-    """Return the wheel speeds one step later: towards the wanted ones, within the limits.
-
-    Parameters
-    ----------
-    now_mps, wanted_mps : tuple of float
-        Speeds of the left and right wheel along the floor, m/s.
-    dt_s : float
-        Length of the step, seconds.
-
-    Notes
-    -----
-    First the wanted speeds are cut to the fastest drive and turn, keeping the curve; then each
-    wheel moves towards its own by at most what the acceleration allows, or the deceleration
-    when it gets slower.
-    """
-    left, right = wanted_mps
-    excess = max(
-        abs(left) / SPEED_MAX_MPS,
-        abs(right) / SPEED_MAX_MPS,
-        abs(right - left) / (TRACK_M * TURN_MAX_RADPS),
-        1.0,
-    )
-    return (
-        _approach(now_mps[0], left / excess, dt_s),
-        _approach(now_mps[1], right / excess, dt_s),
-    )
-
-
-def _approach(now: float, wanted: float, dt_s: float) -> float:
-    slows_down = abs(wanted) < abs(now) or now * wanted < 0
-    most = (DECELERATION_MPS2 if slows_down else ACCELERATION_MPS2) * dt_s
-    return now + math.copysign(min(abs(wanted - now), most), wanted - now)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim import amigobot
+from sim.kinematics import limited_speeds
 from sonarmap.errors import InputError
 from worlds import Pose, RayHits, Solid, World
 
@@ -43,17 +44,20 @@ class Bullet:
     ----------
     world : World
         The room. Solids become their outlines, extruded; rays meet pillars as exact circles.
+    start : Pose
+        Where the robot begins, clear of every solid.
     gui : bool
         Show PyBullet's window.
     """
 
-    def __init__(self, world: World, *, gui: bool = False) -> None:
+    def __init__(self, world: World, start: Pose, *, gui: bool = False) -> None:
         self._p = _pybullet()
         self._client: int | None = self._p.connect(self._p.GUI if gui else self._p.DIRECT)
         if self._client is None or self._client < 0:
             raise InputError("engine 'bullet': no connection (with gui: is there a display?)")
         try:
             self._build(world)
+            self._add_robot(start)
         except BaseException:
             self.close()
             raise
@@ -99,7 +103,7 @@ class Bullet:
         touched, settled = False, False
         for step in range(1, steps + 1):
             if not settled:
-                speeds = amigobot.limited_speeds(self._speeds, (left_mps, right_mps), dt_s)
+                speeds = limited_speeds(self._speeds, (left_mps, right_mps), dt_s)
                 settled = speeds == self._speeds
                 self._command(speeds)
             self._p.stepSimulation(physicsClientId=self._client)
@@ -164,7 +168,6 @@ class Bullet:
         self._circles = np.array([*circles, (0.0, 0.0, 0.0)])
         self._is_pillar = self._circles[:, 2] > 0
         self._has_pillars = bool(self._is_pillar.any())
-        self._add_robot(world.start)
 
     def _add_solid(self, solid: Solid) -> int:
         p, client = self._p, self._client
@@ -207,11 +210,7 @@ class Bullet:
             p.changeDynamics(self._robot, wheel, lateralFriction=1, physicsClientId=client)
         self._turned_before = (0.0, 0.0)
         self._command((0.0, 0.0))
-        if self.advance(0.0, 0.0, _SETTLE_S):
-            raise InputError(
-                f"start of {_described(start)} must leave the robot (radius "
-                f"{amigobot.BODY_RADIUS_M} m) clear of every solid"
-            )
+        self.advance(0.0, 0.0, _SETTLE_S)
         self._turned_before = self.wheel_turns_rad
 
     def _command(self, speeds_mps: tuple[float, float]) -> None:
@@ -259,10 +258,6 @@ def _on_circles(
     distance = along - np.sqrt(np.maximum(circle[:, 2] ** 2 - miss_squared, 0))
     outward = origin + distance[:, None] * direction - circle[:, :2]
     return distance, outward / np.linalg.norm(outward, axis=1)[:, None]
-
-
-def _described(pose: Pose) -> str:
-    return f"({pose.x_m:g}, {pose.y_m:g}) m, {math.degrees(pose.heading_rad):g} degrees"
 
 
 def _pybullet() -> Any:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from types import TracebackType
 from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sim.amigobot import BODY_RADIUS_M
+from sonarmap.errors import InputError, did_you_mean
 from worlds import Pose, RayHits, World
 
 __all__ = ["ENGINES", "Engine", "RayCaster", "open_engine"]
 
-ENGINES = ("bullet",)
+ENGINES = ("bullet", "segments")
 
 
 class RayCaster(Protocol):
@@ -49,7 +52,7 @@ class Engine(RayCaster, Protocol):
     def advance(self, left_mps: float, right_mps: float, duration_s: float) -> bool:
         """Drive towards the given wheel speeds; return whether the robot touched something.
 
-        Speeds are reached within the robot's limits (`sim.amigobot.limited_speeds`).
+        Speeds are reached within the robot's limits (`sim.kinematics.limited_speeds`).
         `duration_s` is a whole multiple of `sim.amigobot.PHYSICS_DT_S`.
         """
 
@@ -66,19 +69,40 @@ class Engine(RayCaster, Protocol):
     ) -> None: ...
 
 
-def open_engine(name: str, world: World, *, gui: bool = False) -> Engine:
-    """Return the engine called `name` with the robot at the world's start; use it by ``with``.
+def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool = False) -> Engine:
+    """Return the engine called `name` with a robot in a world; use it by ``with``.
+
+    Parameters
+    ----------
+    name : {"bullet", "segments"}
+        PyBullet with its dynamics, or the faces of the world alone with plain kinematics.
+    world : World
+        The room.
+    start : Pose, optional
+        Where the robot begins; by default the world's start.
+    gui : bool
+        Show the engine's window, if it has one.
 
     Raises
     ------
     InputError
-        If there is no such engine, what it needs is not installed, or the robot does not fit at
-        the start.
+        If there is no such engine, what it needs is not installed, it has no window, or the
+        robot does not fit at the start.
     """
-    from sonarmap.errors import InputError, did_you_mean
-
     if name not in ENGINES:
         raise InputError(f"engine {name!r} is unknown{did_you_mean(name, ENGINES)}")
+    start = world.start if start is None else start
+    if not world.has_room_at(start.x_m, start.y_m, radius_m=BODY_RADIUS_M):
+        raise InputError(
+            f"start of ({start.x_m:g}, {start.y_m:g}) m, {math.degrees(start.heading_rad):g} "
+            f"degrees must leave the robot (radius {BODY_RADIUS_M} m) clear of every solid"
+        )
+    if name == "segments":
+        if gui:
+            raise InputError("engine 'segments' has no window: gui needs engine 'bullet'")
+        from sim.segments import Segments
+
+        return Segments(world, start)
     from sim.bullet import Bullet  # the physics engine: loaded when it is used
 
-    return Bullet(world, gui=gui)
+    return Bullet(world, start, gui=gui)

@@ -6,12 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from sim.amigobot import ENCODER_TICKS_PER_TURN, TRACK_M, WHEEL_RADIUS_M
+from sim.kinematics import advance_along_arc
 from sonarmap.errors import InputError, non_negative
 from worlds import Pose
 
-__all__ = ["Odometer", "OdometryModel"]
+__all__ = ["Odometer", "OdometryModel", "drawn_errors", "reckon"]
 
 
 @dataclass(frozen=True)
@@ -65,45 +68,59 @@ class Odometer:
     """
 
     def __init__(self, model: OdometryModel, start: Pose, rng: np.random.Generator) -> None:
-        self._model, self._rng, self._pose = model, rng, start
-        self._tick_m = 2 * math.pi * WHEEL_RADIUS_M / model.ticks_per_turn
-        self._ticks = (0, 0)
-        scale, turn = rng.uniform(-0.5, 0.5, size=2)
-        self._scale = 1 + model.scale_spread * scale
-        # The error of the scale is in the wheels' ways and must not turn the robot as well.
-        self._track_m = TRACK_M * self._scale / (1 + model.turn_spread * turn)
+        self._rng = rng
+        self._errors = drawn_errors(model, rng)
+        self._pose = np.array([start.x_m, start.y_m, start.heading_rad], float)
+        self._ticks = np.zeros(2)
 
     @property
     def pose(self) -> Pose:
         """Where the robot believes to be."""
-        return self._pose
+        return Pose(*self._pose.tolist())
 
     def update(self, wheel_turns_rad: tuple[float, float]) -> Pose:
         """Take the wheels' total turns and return the new pose."""
-        ticks = tuple(
-            math.floor(turn / math.tau * self._model.ticks_per_turn) for turn in wheel_turns_rad
-        )
-        left_m, right_m = (
-            self._rolled(now - before) for now, before in zip(ticks, self._ticks, strict=True)
-        )
-        self._ticks = (ticks[0], ticks[1])
-        self._pose = _along_arc(self._pose, left_m, right_m, self._track_m)
-        return self._pose
-
-    def _rolled(self, ticks: int) -> float:
-        way_m = ticks * self._tick_m * self._scale
-        # Drawn also for a wheel at rest: the stream of errors does not depend on the drive.
-        return way_m + self._rng.normal() * self._model.slip_std_m * math.sqrt(abs(way_m))
+        left_rad, right_rad = wheel_turns_rad
+        # Drawn also for wheels at rest: the stream of errors does not depend on the drive.
+        slip = self._rng.normal(0.0, 1.0, 2)
+        reckon(self._errors, self._pose, self._ticks, left_rad, right_rad, slip[0], slip[1])
+        return self.pose
 
 
-def _along_arc(pose: Pose, left_m: float, right_m: float, track_m: float) -> Pose:
-    """Return the pose after the wheels have rolled along an arc."""
-    forward_m, turn = (left_m + right_m) / 2, (right_m - left_m) / track_m
-    # The chord of the arc, which a straight line is its own.
-    chord_m = forward_m * math.sin(turn / 2) / (turn / 2) if turn else forward_m
-    direction = pose.heading_rad + turn / 2
-    return Pose(
-        pose.x_m + chord_m * math.cos(direction),
-        pose.y_m + chord_m * math.sin(direction),
-        pose.heading_rad + turn,
+def drawn_errors(model: OdometryModel, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Draw the errors of one drive, as `reckon` takes them."""
+    scale, turn = 1 + np.array([model.scale_spread, model.turn_spread]) * rng.uniform(-0.5, 0.5, 2)
+    tick_m = 2 * math.pi * WHEEL_RADIUS_M / model.ticks_per_turn
+    # The error of the scale is in the wheels' ways and must not turn the robot as well.
+    return np.array(
+        [model.ticks_per_turn, tick_m * scale, TRACK_M * scale / turn, model.slip_std_m]
+    )
+
+
+@njit(cache=True)
+def reckon(errors, pose, ticks, left_rad, right_rad, left_slip, right_slip):
+    """Move the believed pose on by what the encoders tell; changes `pose` and `ticks`.
+
+    Parameters
+    ----------
+    errors : ndarray, shape (4,)
+        Ticks of a turn, believed way of a tick and track in metres, slip over a metre.
+    pose : ndarray, shape (3,)
+        x, y in metres and heading in radians.
+    ticks : ndarray, shape (2,)
+        The left and right encoder so far.
+    left_rad, right_rad : float
+        How far the wheels have turned since the start.
+    left_slip, right_slip : float
+        Standard normal numbers.
+    """
+    ticks_per_turn, tick_m, track_m, slip_std_m = errors
+    left = math.floor(left_rad / math.tau * ticks_per_turn)
+    right = math.floor(right_rad / math.tau * ticks_per_turn)
+    left_m, right_m = (left - ticks[0]) * tick_m, (right - ticks[1]) * tick_m
+    ticks[0], ticks[1] = left, right
+    left_m += left_slip * slip_std_m * math.sqrt(abs(left_m))
+    right_m += right_slip * slip_std_m * math.sqrt(abs(right_m))
+    pose[0], pose[1], pose[2] = advance_along_arc(
+        pose[0], pose[1], pose[2], left_m, right_m, track_m
     )

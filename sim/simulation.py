@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import amigobot, drivers, sonars
+from sim import drivers, sonars
 from sim.acoustics import Sonar
+from sim.drive import Drive, check_steps
 from sim.drivers import Driver, Sensed
-from sim.engine import Engine, open_engine
+from sim.engine import open_engine
 from sim.firing import Firing
 from sim.odometry import Odometer, OdometryModel
 from sim.packets import StatusPackets
@@ -53,7 +54,8 @@ def simulate(
         The sonars: a name of `sim.sonars.PRESETS` or a sonar. By default those that behave like
         sonars; "thesis" is the simple cone, quicker and easier to reason about.
     engine : str
-        What moves the robot and casts the rays: "bullet".
+        What moves the robot and casts the rays: "bullet", PyBullet with its dynamics, or
+        "segments", exact faces and plain kinematics, many times faster.
     odometry : OdometryModel, optional
         Errors of the odometry, by default the AmigoBot's.
     packets : StatusPackets, optional
@@ -90,7 +92,8 @@ def simulate(
     with open_engine(engine, world, gui=gui) as robot:
         recorder = Recorder(ring, world, packets)
         odometer = Odometer(odometry, robot.pose, odometry_rng)
-        drive = _Drive(robot, odometer, recorder, packets)
+        drive = Drive(robot, odometer)
+        tell = _teller(drive, recorder, packets)
         ears = sonar_used.ears(robot, world, noise_rng)
         control = driver_used.begin(driver_rng)
         newest_m = np.full(len(ring), np.inf)
@@ -98,8 +101,9 @@ def simulate(
             begin_s = scan * firing.period_s
             fired: list[int] = []
             for slot in firing.slots(scan, len(ring)):
+                tell(begin_s + slot.offset_s)
                 drive.until(begin_s + slot.offset_s)
-                ears.fire(drive.time_s, slot.sonars, *_transducers(ring, robot.pose))
+                ears.fire(drive.time_s, slot.sonars, *transducers(ring, robot.pose))
                 recorder.fired(scan, drive.time_s, slot.sonars, odometer.pose, robot.pose)
                 fired += slot.sonars
             echoes = ears.hear()
@@ -111,8 +115,7 @@ def simulate(
             # The driver decides once a scan, when its last sonar has been heard.
             sensed = Sensed(drive.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
             drive.speeds_mps = control(sensed)
-        if packets is not None:
-            drive.until(scans * firing.period_s)  # the last packets tell the last readings
+        tell(scans * firing.period_s)  # the last packets tell the last readings
     return recorder.log(
         {
             "world": world.name,
@@ -128,70 +131,36 @@ def simulate(
     )
 
 
-class _Drive:
-    """The motion of the robot from one moment that matters to the next."""
+def _teller(
+    drive: Drive, recorder: Recorder, packets: StatusPackets | None
+) -> Callable[[float], None]:
+    """Return what drives on to the status packets that are due by a moment and notes them."""
+    told = 0
 
-    def __init__(
-        self,
-        robot: Engine,
-        odometer: Odometer,
-        recorder: Recorder,
-        packets: StatusPackets | None,
-    ) -> None:
-        self._robot, self._odometer, self._recorder = robot, odometer, recorder
-        self._packets, self._packet = packets, 1
-        self._touched = False
-        self.time_s = 0.0
-        self.speeds_mps = (0.0, 0.0)
+    def tell(until_s: float) -> None:
+        nonlocal told
+        while packets is not None and (due_s := (told + 1) * packets.period_s) <= until_s + 1e-9:
+            drive.until(due_s)
+            recorder.told(due_s, drive.believed_pose)
+            told += 1
 
-    def until(self, time_s: float) -> None:
-        """Drive on to a moment; packets that are due on the way are told."""
-        if self._packets is not None:
-            while (due_s := self._packet * self._packets.period_s) <= time_s + 1e-9:
-                self._advance(due_s)
-                self._recorder.told(due_s, self._odometer.pose)
-                self._packet += 1
-        self._advance(time_s)
-
-    def touched_since(self) -> bool:
-        """Return whether the robot touched something since the last call."""
-        touched, self._touched = self._touched, False
-        return touched
-
-    def _advance(self, time_s: float) -> None:
-        steps = _steps(time_s) - _steps(self.time_s)
-        self.time_s = time_s
-        if steps > 0:
-            duration_s = steps * amigobot.PHYSICS_DT_S
-            touched = self._robot.advance(*self.speeds_mps, duration_s)
-            self._touched = self._touched or touched
-            self._odometer.update(self._robot.wheel_turns_rad)
+    return tell
 
 
-def _transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
+def transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return true places (k, 2) and axes (k,) of the sonars."""
     places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
     return places, pose.heading_rad + ring.heading_rad
 
 
-def _steps(time_s: float) -> int:
-    return round(time_s / amigobot.PHYSICS_DT_S)
-
-
 def _check_times(firing: Firing, sonars: int, packets: StatusPackets | None) -> None:
     """Check that whatever happens happens between two steps of the physics."""
     offsets = {slot.offset_s for scan in (0, 1) for slot in firing.slots(scan, sonars)}
-    _whole_steps("scan_period_s", firing.period_s)
+    check_steps("scan_period_s", firing.period_s)
     for offset_s in sorted(offsets - {0.0}):
-        _whole_steps("the time between firings", offset_s)
+        check_steps("the time between firings", offset_s)
     if packets is not None:
-        _whole_steps("packets.period_s", packets.period_s)
-
-
-def _whole_steps(name: str, time_s: float) -> None:
-    steps = time_s / amigobot.PHYSICS_DT_S
-    if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
-        raise InputError(f"{name} must be a multiple of {amigobot.PHYSICS_DT_S} s, got {time_s!r}")
+        check_steps("packets.period_s", packets.period_s)
 
 
 def _told(part: object) -> dict[str, Any]:

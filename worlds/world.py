@@ -129,6 +129,16 @@ class World:
         """Radius of each pillar, 0 of a solid with flat faces, metres, shape (solids,)."""
         return np.array([solid.circle[2] if solid.circle else 0.0 for solid in self.solids])
 
+    def has_room_at(self, x_m: float, y_m: float, *, radius_m: float) -> bool:
+        """Return whether a disc of a radius fits at a place without meeting a solid."""
+        from worlds.raycast import clearance  # numba is heavy: loaded when it is needed
+
+        if clearance(self.faces.table, 0, x_m, y_m, radius_m)[0] < radius_m:
+            return False
+        # A place deep inside of a solid is far from every face, too.
+        place = shapely.Point(x_m, y_m)
+        return not any(solid.outline.contains(place) for solid in self.solids)
+
     def transformed(self, *, quarter_turns: int) -> World:
         """Return the world turned about the origin, counter-clockwise by right angles.
 

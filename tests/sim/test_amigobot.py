@@ -4,6 +4,7 @@ from xml.etree import ElementTree
 import pytest
 
 from sim import amigobot
+from sim.kinematics import limited_speeds
 
 
 @pytest.fixture(scope="module")
@@ -67,19 +68,17 @@ def test_masses_add_up(urdf):
     ],
 )
 def test_speed_changes_within_the_limits(now, wanted, expected):
-    assert amigobot.limited_speeds((now, now), (wanted, wanted), 0.1) == pytest.approx(
-        (expected, expected)
-    )
+    assert limited_speeds((now, now), (wanted, wanted), 0.1) == pytest.approx((expected, expected))
 
 
 def test_too_fast_a_command_keeps_its_curve():
-    left, right = amigobot.limited_speeds((0.0, 0.0), (3.0, 2.9), 1e3)
+    left, right = limited_speeds((0.0, 0.0), (3.0, 2.9), 1e3)
     assert left == amigobot.SPEED_MAX_MPS
     assert left / right == pytest.approx(3 / 2.9)
 
 
 def test_turns_are_limited_too():
-    left, right = amigobot.limited_speeds((0.0, 0.0), (-0.7, 0.7), 1e3)
+    left, right = limited_speeds((0.0, 0.0), (-0.7, 0.7), 1e3)
     assert (right - left) / amigobot.TRACK_M == pytest.approx(amigobot.TURN_MAX_RADPS)
     assert left == -right
 

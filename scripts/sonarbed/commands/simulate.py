@@ -39,7 +39,7 @@ def simulate(
             help="Log the robot's status packets, every 100 ms, with old values repeated.",
         ),
     ] = False,
-    engine: Annotated[str, typer.Option(help="bullet.")] = "bullet",
+    engine: Annotated[str, typer.Option(help="bullet or segments.")] = "bullet",
     jobs: Annotated[int, typer.Option(help="Processes, for several seeds.")] = 1,
     setting: Setting = None,
     gui: Annotated[bool, typer.Option("--gui", help="Show the engine's window.")] = False,
