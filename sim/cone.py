@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sim.acoustics import Ears, EarsTogether, Echoes, cause_of
 from sim.engine import RayCaster
 from sim.firing import AllAtOnce
-from sim.following import meet_surfaces, open_fans
+from sim.following import measured, meet_surfaces, open_fans
 from sonarmap import InputError, LogTruth, SonarRing
 from sonarmap.errors import non_negative, positive
 from worlds import World
@@ -49,6 +49,9 @@ class ConeSonar:
         Readings are whole multiples of it, metres; 0 for none.
     threshold : float
         An echo is heard while the product of the reflectivities on its way is at least this.
+    range_scale : float
+        Readings are this many times the range, > 0: the speed of sound that the robot assumes
+        over that in the air (`sim.Air`).
     """
 
     name: str
@@ -62,12 +65,14 @@ class ConeSonar:
     quantum_m: float = 0.001
     # Assumed: with it curtain and foam are silent and two mirrors are still heard.
     threshold: float = 0.3
+    range_scale: float = 1.0
 
     def __post_init__(self) -> None:
         positive("scan_period_s", self.scan_period_s)
         non_negative("noise_std_m", self.noise_std_m)
         non_negative("quantum_m", self.quantum_m)
         non_negative("threshold", self.threshold)
+        positive("range_scale", self.range_scale)
         if self.rays < 3 or self.rays % 2 == 0:
             raise InputError(f"rays must be odd and >= 3, got {self.rays!r}")
         if self.max_bounces < 0:
@@ -119,6 +124,7 @@ class ConeSonar:
         surface = np.full(k, -1, np.int32)
         incidence_rad = np.full(k, np.nan)
         bounces = np.zeros(k, np.int16)
+        critical_cos = np.cos(world.critical_incidence_rad)
         for bounce in range(self.max_bounces + 1):
             hits = rays.cast(origin, direction, far_m - travelled_m)
             if bounce == 0:
@@ -132,7 +138,7 @@ class ConeSonar:
                 hits.distance_m,
                 hits.normal_xy,
                 hits.surface,
-                world.critical_incidence_rad,
+                critical_cos,
                 world.reflectivity,
                 self.threshold,
                 bounce,
@@ -171,11 +177,11 @@ class ConeSonar:
         roughness_m: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> NDArray[np.float64]:
-        reading = heard_m + rng.normal(0.0, 1.0, heard_m.size) * np.hypot(
-            self.noise_std_m, roughness_m
+        noise, ring = rng.normal(size=heard_m.size), self.ring
+        rules = self.noise_std_m, self.range_scale, self.quantum_m
+        limits = ring.range_min_m, ring.range_max_m, np.inf
+        readings = (
+            measured(*echo, *rules, *limits)
+            for echo in zip(heard_m, roughness_m, noise, strict=True)
         )
-        if self.quantum_m > 0:
-            reading = np.round(reading / self.quantum_m) * self.quantum_m
-        # Noise alone must not turn an echo at the very end of the range into silence.
-        reading = np.where(np.isfinite(heard_m), np.minimum(reading, self.ring.range_max_m), np.inf)
-        return np.where(reading < self.ring.range_min_m, -np.inf, reading)
+        return np.fromiter(readings, float, heard_m.size)

@@ -7,10 +7,17 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["meet_surfaces", "open_fans"]
+__all__ = ["OFF_SURFACE_M", "measured", "meet_surfaces", "open_fans", "turned"]
 
-# A mirrored ray begins this far off the surface, so that it does not meet it again; metres.
-_OFF_SURFACE_M = 1e-6
+OFF_SURFACE_M = 1e-6
+"""A mirrored ray begins this far off the surface, so that it does not meet it again."""
+
+
+@njit(cache=True)
+def turned(axis_rad, cos_bearing, sin_bearing):
+    """Return the direction (x, y) at a bearing, given as cosine and sine, off an axis."""
+    cos, sin = math.cos(axis_rad), math.sin(axis_rad)
+    return cos * cos_bearing - sin * sin_bearing, sin * cos_bearing + cos * sin_bearing
 
 
 @njit(cache=True)
@@ -33,11 +40,13 @@ def open_fans(sensor_xy_m, axis_rad, bearing_rad):
     n = axis_rad.size * rays
     fan = np.empty(n, np.int64)
     origin, direction = np.empty((n, 2)), np.empty((n, 2))
-    for i in range(n):
-        fan[i] = i // rays
-        angle = axis_rad[fan[i]] + bearing_rad[i % rays]
-        origin[i, 0], origin[i, 1] = sensor_xy_m[fan[i], 0], sensor_xy_m[fan[i], 1]
-        direction[i, 0], direction[i, 1] = math.cos(angle), math.sin(angle)
+    cos_bearing, sin_bearing = np.cos(bearing_rad), np.sin(bearing_rad)
+    for k in range(axis_rad.size):
+        for j in range(rays):
+            i = k * rays + j
+            fan[i] = k
+            origin[i, 0], origin[i, 1] = sensor_xy_m[k, 0], sensor_xy_m[k, 1]
+            direction[i, 0], direction[i, 1] = turned(axis_rad[k], cos_bearing[j], sin_bearing[j])
     return fan, origin, direction, np.zeros(n), np.ones(n)
 
 
@@ -51,7 +60,7 @@ def meet_surfaces(
     leg_m,
     normal,
     surface,
-    critical_rad,
+    critical_cos,
     reflectivity,
     threshold,
     bounce,
@@ -76,8 +85,9 @@ def meet_surfaces(
         Way before the last leg, metres, and share of the amplitude that is left.
     leg_m, normal, surface : ndarray, shapes (n,), (n, 2), (n,)
         What the leg met, as `worlds.RayHits`.
-    critical_rad, reflectivity : ndarray, shape (surfaces,)
-        What the surfaces do to sound.
+    critical_cos, reflectivity : ndarray, shape (surfaces,)
+        What the surfaces do to sound: cosine of the critical angle of incidence, and share of the
+        amplitude that is sent on.
     threshold : float
         Weaker sound is lost.
     bounce : int
@@ -101,8 +111,7 @@ def meet_surfaces(
         if strength[i] < threshold:
             continue
         cos = -(direction[i, 0] * normal[i, 0] + direction[i, 1] * normal[i, 1])
-        incidence_rad = math.acos(min(max(cos, -1.0), 1.0))
-        if incidence_rad > critical_rad[surface[i]]:
+        if cos < critical_cos[surface[i]]:
             mirrored[count] = i
             count += 1
         elif travelled_m[i] < best_m[fan[i]] or (
@@ -111,20 +120,48 @@ def meet_surfaces(
         ):
             best_m[fan[i]] = travelled_m[i]
             best_surface[fan[i]] = surface[i]
-            best_incidence_rad[fan[i]] = incidence_rad
+            best_incidence_rad[fan[i]] = math.acos(min(cos, 1.0))
             best_bounces[fan[i]] = bounce
 
     on = np.empty(count, np.int64)
     m = 0
     for k in range(count):
         i = mirrored[k]
-        if travelled_m[i] + _OFF_SURFACE_M < best_m[fan[i]]:
+        if travelled_m[i] + OFF_SURFACE_M < best_m[fan[i]]:
             on[m] = i
             m += 1
             for axis in range(2):
-                origin[i, axis] += leg_m[i] * direction[i, axis] + _OFF_SURFACE_M * normal[i, axis]
+                origin[i, axis] += leg_m[i] * direction[i, axis] + OFF_SURFACE_M * normal[i, axis]
             along = direction[i, 0] * normal[i, 0] + direction[i, 1] * normal[i, 1]
             for axis in range(2):
                 direction[i, axis] -= 2 * along * normal[i, axis]
     on = on[:m]
     return fan[on], origin[on], direction[on], travelled_m[on], strength[on]
+
+
+@njit(cache=True)
+def measured(heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m):
+    """Return what a sonar reads of an echo at a range.
+
+    Parameters
+    ----------
+    heard_m : float
+        Range of the echo; +inf for none.
+    roughness_m : float
+        Of the surface that sends it.
+    noise : float
+        A standard normal number.
+    noise_std_m, scale, quantum_m : float
+        Standard deviation of the noise, what ranges are multiplied with, step of the readings
+        (0 for none).
+    near_m, far_m, silent_m : float
+        Nearest and farthest reading, and the reading of no echo.
+    """
+    if math.isinf(heard_m):
+        return silent_m
+    reading = scale * heard_m + noise * math.hypot(noise_std_m, roughness_m)
+    if quantum_m > 0.0:
+        reading = np.rint(reading / quantum_m) * quantum_m
+    # Noise alone must not turn an echo at the very end of the range into silence.
+    reading = min(reading, far_m)
+    return -math.inf if reading < near_m else reading

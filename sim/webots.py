@@ -15,10 +15,10 @@ from sonarmap import InputError, LogTruth, SonarRing
 from sonarmap.errors import positive
 from worlds import World
 
-__all__ = ["WebotsSonar"]
+__all__ = ["WEBOTS_CRITICAL_RAD", "WebotsSonar"]
 
-# cyberbotics/webots, src/webots/nodes/WbDistanceSensor.cpp: the same for every surface.
-_CRITICAL_RAD = math.radians(22.5)
+WEBOTS_CRITICAL_RAD = math.radians(22.5)
+"""The same for every surface: cyberbotics/webots, src/webots/nodes/WbDistanceSensor.cpp."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class WebotsSonar:
         cos = np.clip(-(hits.normal_xy * direction).sum(axis=1), -1, 1)
         incidence = np.arccos(cos).reshape(k, -1)
         met_m = hits.distance_m.reshape(k, -1)
-        heard = np.where(incidence <= _CRITICAL_RAD, met_m, np.inf)
+        heard = np.where(incidence <= WEBOTS_CRITICAL_RAD, met_m, np.inf)
         best = np.arange(k), heard.argmin(axis=1)
         heard_m = heard[best]
         silent = np.isinf(heard_m)

@@ -38,6 +38,8 @@ class FaceTable(NamedTuple):
     ----------
     segments : ndarray, shape (s, 4)
         (x0, y0, x1, y1) of each segment.
+    normals : ndarray, shape (s, 2)
+        Unit normal of each segment, on the right of the way from its begin to its end.
     circles : ndarray, shape (c, 3)
         (x, y, radius) of each circle.
     surface : ndarray of int32, shape (s + c,)
@@ -53,6 +55,7 @@ class FaceTable(NamedTuple):
     """
 
     segments: _Floats
+    normals: _Floats
     circles: _Floats
     surface: NDArray[np.int32]
     grid: _Floats
@@ -69,9 +72,9 @@ def face_table(rooms: Sequence[tuple[_Floats, _Floats, NDArray[np.int32]]]) -> F
     rooms : sequence
         Of each room its segments (n, 4), circles (m, 3) and surfaces (n + m,), segments first.
     """
-    all_segments = sum(len(segments) for segments, _, _ in rooms)
+    flat = sum(len(segments) for segments, _, _ in rooms)
     grids, shapes, starts, listed = [], [], [], []
-    first_segment, first_circle, first_cell, first_listed = 0, all_segments, 0, 0
+    first_segment, first_circle, first_cell, first_listed = 0, flat, 0, 0
     for segments, circles, _ in rooms:
         grid, rows, cols = _grid_over(segments, circles)
         start, faces = _list_faces(*grid, rows, cols, np.array(segments), np.array(circles))
@@ -87,8 +90,12 @@ def face_table(rooms: Sequence[tuple[_Floats, _Floats, NDArray[np.int32]]]) -> F
         first_listed += faces.size
     surfaces = [surface[: len(segments)] for segments, _, surface in rooms]
     surfaces += [surface[len(segments) :] for segments, _, surface in rooms]
+    every_segment = np.concatenate([np.empty((0, 4)), *(segments for segments, _, _ in rooms)])
+    along = every_segment[:, 2:] - every_segment[:, :2]
+    length = np.sqrt(along[:, 0] * along[:, 0] + along[:, 1] * along[:, 1])
     return FaceTable(
-        np.concatenate([np.empty((0, 4)), *(segments for segments, _, _ in rooms)]),
+        every_segment,
+        np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None],
         np.concatenate([np.empty((0, 3)), *(circles for _, circles, _ in rooms)]),
         np.concatenate(surfaces).astype(np.int32),
         np.array(grids),

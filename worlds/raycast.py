@@ -83,7 +83,7 @@ def first_hit(
 ) -> tuple[float, int]:
     """Return (distance, face) of the first face of a room within `reach`; (inf, -1) for none.
 
-    The first six parameters are those of a `FaceTable`, one by one: handing on the table itself
+    The first six parameters are fields of a `FaceTable`, one by one: handing on the table itself
     would cost as much as the walk. Of faces at the same distance it is the one with the lowest
     number. The ray walks from cell to cell of the table's grid (Amanatides and Woo, "A Fast Voxel
     Traversal Algorithm for Ray Tracing", Eurographics 1987).
@@ -147,7 +147,7 @@ def first_hit(
 
 @njit(cache=True, error_model="numpy")
 def face_normal(
-    segments: _Floats,
+    normals: _Floats,
     circles: _Floats,
     face: int,
     hit_x: float,
@@ -156,16 +156,16 @@ def face_normal(
     dy: float,
 ) -> tuple[float, float]:
     """Return the unit normal of a face at a point, turned against the ray (dx, dy)."""
-    if face < segments.shape[0]:
-        nx = segments[face, 3] - segments[face, 1]
-        ny = segments[face, 0] - segments[face, 2]
+    flat = normals.shape[0]
+    if face < flat:
+        nx, ny = normals[face, 0], normals[face, 1]
     else:
-        circle = face - segments.shape[0]
-        nx, ny = hit_x - circles[circle, 0], hit_y - circles[circle, 1]
-    length = math.sqrt(nx * nx + ny * ny)
+        nx, ny = hit_x - circles[face - flat, 0], hit_y - circles[face - flat, 1]
+        length = math.sqrt(nx * nx + ny * ny)
+        nx, ny = nx / length, ny / length
     if nx * dx + ny * dy > 0.0:
-        length = -length
-    return nx / length, ny / length
+        nx, ny = -nx, -ny
+    return nx, ny
 
 
 @njit(cache=True, error_model="numpy")
@@ -174,9 +174,9 @@ def cast_rays(
 ) -> tuple[_Floats, _Floats, NDArray[np.int32]]:
     """Return (distance, normal, surface) of n rays in a room, see `worlds.RayHits`."""
     n = origins.shape[0]
-    segments, circles, surface, grid, shape, cell_start, cell_face = table
+    segments, normals, circles, surface, grid, shape, cell_start, cell_face = table
     distances = np.full(n, np.inf)
-    normals = np.zeros((n, 2))
+    against = np.zeros((n, 2))
     surfaces = np.full(n, -1, dtype=np.int32)
     for i in range(n):
         x, y = origins[i, 0], origins[i, 1]
@@ -188,10 +188,10 @@ def cast_rays(
             continue
         distances[i] = distance
         surfaces[i] = surface[face]
-        normals[i, 0], normals[i, 1] = face_normal(
-            segments, circles, face, x + distance * dx, y + distance * dy, dx, dy
+        against[i, 0], against[i, 1] = face_normal(
+            normals, circles, face, x + distance * dx, y + distance * dy, dx, dy
         )
-    return distances, normals, surfaces
+    return distances, against, surfaces
 
 
 @njit(cache=True, error_model="numpy")
@@ -202,7 +202,7 @@ def clearance(
 
     Only faces nearer than `reach` are looked for; (inf, 0, 0) if there is none.
     """
-    segments, circles, _, grid, shape, cell_start, cell_face = table
+    segments, _, circles, _, grid, shape, cell_start, cell_face = table
     left, bottom, cell = grid[room, 0], grid[room, 1], grid[room, 2]
     rows, cols, first_cell = shape[room, 0], shape[room, 1], shape[room, 2]
     flat = segments.shape[0]

@@ -36,7 +36,7 @@ def mark_visible(
     face have seen the face between them as well: under a grazing angle their ends lie several
     cells apart. `behind` is how far the surface's own cell is looked for behind its face.
     """
-    segments, circles, _, grid, shape, cell_start, cell_face = faces
+    segments, normals, circles, _, grid, shape, cell_start, cell_face = faces
     for k in range(cones.shape[0]):
         x, y = cones[k, 0], cones[k, 1]
         last_face, last_x, last_y = -1, 0.0, 0.0
@@ -51,7 +51,7 @@ def mark_visible(
             else:
                 hit_x, hit_y = x + distance * dx, y + distance * dy
                 _mark_line(seen, x, y, hit_x, hit_y)
-                nx, ny = face_normal(segments, circles, face, hit_x, hit_y, dx, dy)
+                nx, ny = face_normal(normals, circles, face, hit_x, hit_y, dx, dy)
                 hit_x, hit_y = hit_x - behind * nx, hit_y - behind * ny
                 _mark_line(seen, hit_x, hit_y, hit_x, hit_y)
                 if face == last_face:
