@@ -14,7 +14,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["add_listed", "add_readings", "bearing_polynomial", "count_cells", "list_cones"]
+__all__ = [
+    "add_listed",
+    "add_readings",
+    "bearing_polynomial",
+    "cone_evidence",
+    "cone_memory",
+    "cone_room",
+    "count_cells",
+    "list_cones",
+]
 
 _DEGREE = 12
 _LN_2 = math.log(2)
@@ -198,13 +207,85 @@ def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 
 @njit(cache=True, error_model="numpy")
-def _room(rows, cols, resolution, reach):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+def cone_room(rows, cols, resolution, reach):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return a bound on the cells within reach of a sonar: half a disc, in its bounding box."""
     room = 0
     for i in range(reach.size):
         across = int(2 * reach[i] / resolution) + 3
         room = max(room, min(rows, across) * min(cols, across))
     return room
+
+
+@njit(cache=True)
+def cone_memory(room):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    """Return working memory of `cone_evidence`."""
+    return (
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    origin_x,
+    origin_y,
+    resolution,
+    x,
+    y,
+    axis_rad,
+    half_angle,
+    border,
+    axis,
+    edge,
+    bearing,
+    runs,
+    cells,
+):
+    """Write what one reading says of the cells in its cone; return (first row, row after the last).
+
+    Parameters
+    ----------
+    origin_x, origin_y, resolution : float
+        The grid, metres.
+    x, y, axis_rad : float
+        Place and axis of the sonar.
+    half_angle : float
+        Half-angle of the cone, radians.
+    border, axis, edge : ndarray, shapes (3,), (3, 2), (3, 2)
+        The reading's `Regions`.
+    bearing : ndarray
+        `bearing_polynomial` of the half-angle.
+    runs : ndarray of int, shape (3, rows)
+        Written for these rows: first column and number of cells, columns of the grid in
+        ``runs[2, 0]`` (given).
+    cells : tuple of six ndarray, shape (room,)
+        Working memory for `cone_room` cells; the last gets the log-odds, row by row. (Six arrays,
+        since the compiler does not vectorise over rows of one.)
+    """
+    axis_x, axis_y = math.cos(axis_rad), math.sin(axis_rad)
+    dx, dy, ranges, shares, p, evidence = cells
+    row_begin, row_end, n = _list_cells(
+        runs.shape[1],
+        runs[2, 0],
+        x - origin_x - 0.5 * resolution,
+        y - origin_y - 0.5 * resolution,
+        resolution,
+        axis_x,
+        axis_y,
+        half_angle,
+        border[2],
+        runs[0],
+        runs[1],
+        dx,
+        dy,
+    )
+    _geometry(dx[:n], dy[:n], ranges[:n], shares[:n], axis_x, axis_y, bearing)
+    _evidence(ranges[:n], shares[:n], p[:n], evidence[:n], border, axis, edge)
+    return row_begin, row_end
 
 
 @njit(cache=True, error_model="numpy")
@@ -244,42 +325,35 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         Bound on the sum in each cell, inf for none.
     """
     rows, cols = log_odds.shape
-    room = _room(rows, cols, resolution, border[:, 2])
-    dx, dy, p, evidence = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
-    ranges, shares = np.empty(room), np.empty(room)
-    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
-
+    cells = cone_memory(cone_room(rows, cols, resolution, border[:, 2]))
+    runs = np.empty((3, rows), np.int64)
+    runs[2, 0] = cols
     for i in range(axis_rad.size):
-        axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
-        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
-        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
-        row_begin, row_end, n = _list_cells(
-            rows,
-            cols,
-            start_x,
-            start_y,
+        row_begin, row_end = cone_evidence(
+            origin_x,
+            origin_y,
             resolution,
-            axis_x,
-            axis_y,
+            sensor_xy[i, 0],
+            sensor_xy[i, 1],
+            axis_rad[i],
             half_angle,
-            border[i, 2],
-            first,
-            count,
-            dx,
-            dy,
+            border[i],
+            axis[i],
+            edge[i],
+            bearing,
+            runs,
+            cells,
         )
-        _geometry(dx[:n], dy[:n], ranges[:n], shares[:n], axis_x, axis_y, bearing)
-        _evidence(ranges[:n], shares[:n], p[:n], evidence[:n], border[i], axis[i], edge[i])
-
         n = 0
         for row in range(row_begin, row_end):
-            line = log_odds[row, first[row] : first[row] + count[row]]
-            added = evidence[n : n + count[row]]
+            first, count = runs[0, row], runs[1, row]
+            line = log_odds[row, first : first + count]
+            added = cells[5][n : n + count]
             for k in range(line.size):
                 total = line[k] + added[k]
                 total = total if total < limit else limit
                 line[k] = total if total > -limit else -limit
-            n += count[row]
+            n += count
 
 
 @njit(cache=True, error_model="numpy")
@@ -287,7 +361,7 @@ def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, reach
 ):
     """Return a bound on the cells of each cone and on its rows, int64 (n, 2)."""
-    room = _room(rows, cols, resolution, reach)
+    room = cone_room(rows, cols, resolution, reach)
     dx, dy = np.empty(room), np.empty(room)
     first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
     bounds = np.empty((reach.size, 2), np.int64)
@@ -347,7 +421,7 @@ def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     ranges, shares : ndarray, shape (cells,)
         Range in metres and bearing / half-angle of each cell.
     """
-    room = _room(rows, cols, resolution, reach)
+    room = cone_room(rows, cols, resolution, reach)
     dx, dy, r, share = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
     first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
     cell_bound, run_bound = bounds[:, 0].sum(), bounds[:, 1].sum()

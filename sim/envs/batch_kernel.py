@@ -114,7 +114,8 @@ def _fire(
 
 @njit(cache=True)
 def _advance(
-    table, state, body, critical_cos, reflectivity, roughness_m, mounts, cos_bearing, sin_bearing, noise, slip,
+    table, state, body, critical_cos, reflectivity, roughness_m, mounts, cos_bearing, sin_bearing,
+    noise, slip,
     left_mps, right_mps, steps,
 ):  # fmt: skip
     """Drive one robot for some steps of the physics and fire when it is due."""
@@ -172,7 +173,8 @@ def advance_alone(
     """Advance the robot of one row; see `advance_together`."""
     _advance(
         table, states[row], bodies[row], materials[row, 0], materials[row, 1], materials[row, 2],
-        mounts, cos_bearing, sin_bearing, noise[row], slip[row], wanted_mps[row, 0], wanted_mps[row, 1], steps,
+        mounts, cos_bearing, sin_bearing, noise[row], slip[row],
+        wanted_mps[row, 0], wanted_mps[row, 1], steps,
     )  # fmt: skip
 
 
