@@ -163,10 +163,7 @@ def _still(world: World, plan: Layout) -> tuple[Image.Image, Image.Image]:
     room = Image.new("RGB", _fine(plan.panel_px), _PAPER)
     brush = ImageDraw.Draw(room)
     for solid in world.solids:
-        # Thin boards must not fall between the pixels.
-        brush.polygon(
-            _points(plan, solid.outline.exterior.coords), fill=WALL_COLOUR, outline=WALL_COLOUR
-        )
+        brush.polygon(_points(plan, solid.outline.exterior.coords), fill=WALL_COLOUR)
         for hole in solid.outline.interiors:
             brush.polygon(_points(plan, hole.coords), fill=_PAPER)
     return frame, room

@@ -67,9 +67,8 @@ def write_gif(frames: Sequence[_Bytes], path: str | Path, *, fps: float) -> None
             loop=0,
             # Stated once, where Pillow would write it again with each frame.
             palette=palette.tobytes(),
-            # Pixels that stay as they are get the number that no colour has.
+            # Pixels that stay as they are get a number that no colour has.
             optimize=True,
-            transparency=_COLOURS,
         )
 
 
