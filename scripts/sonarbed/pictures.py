@@ -18,18 +18,10 @@ from numpy.typing import NDArray
 import sonarmap as sm
 import worlds
 from sonarmap.files import atomic_path
+from worlds.colours import CAUSE_COLOURS, PATH_COLOUR, WALL_COLOUR
 
-__all__ = ["CAUSE_COLOURS", "draw_demo", "draw_map", "draw_world", "plan", "save", "show_map"]
+__all__ = ["draw_demo", "draw_map", "draw_world", "plan", "save", "show_map"]
 
-# Okabe and Ito's palette: told apart by colour-blind people too.
-CAUSE_COLOURS = {
-    sm.Cause.DIRECT: "#009E73",
-    sm.Cause.OFF_AXIS: "#56B4E9",
-    sm.Cause.OUT_OF_RANGE: "#999999",
-    sm.Cause.BOUNCE: "#E69F00",
-    sm.Cause.CROSSTALK: "#CC79A7",
-    sm.Cause.DROPOUT: "#D55E00",
-}
 # Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
 # brown, absorbers violet and pink.
 _MATERIAL_COLOURS = {
@@ -48,7 +40,6 @@ _MATERIAL_COLOURS = {
     "foam": "#CC79A7",
 }
 _SPARE_COLOURS = ("#F0E442", "#000000", "#1B4F72", "#A9DFBF")
-_WALL, _PATH = "#444444", "#0072B2"
 _DPI = 110
 # A reading without an echo has no point: it is drawn as a stroke of this length on its axis.
 _SILENT_STROKE_M = 0.12
@@ -61,7 +52,7 @@ def draw_world(world: worlds.World, path: Path) -> None:
     _room(axes, world, by_material=True)
     if world.route_m:
         stops = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
-        axes.plot(*stops.T, "o--", color=_PATH, ms=4, lw=1, label="route")
+        axes.plot(*stops.T, "o--", color=PATH_COLOUR, ms=4, lw=1, label="route")
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
     figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
@@ -74,8 +65,8 @@ def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
     figure, axes = _plan_figure(right - left, top - bottom)
     show_map(axes, built)
     plan(axes)
-    axes.plot(log.x_m, log.y_m, color=_PATH, lw=1.5, label="path by odometry")
-    axes.plot(log.x_m[0], log.y_m[0], "o", color=_PATH, ms=6, label="start")
+    axes.plot(log.x_m, log.y_m, color=PATH_COLOUR, lw=1.5, label="path by odometry")
+    axes.plot(log.x_m[0], log.y_m[0], "o", color=PATH_COLOUR, ms=6, label="start")
     figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     figure.colorbar(axes.images[0], ax=axes, shrink=0.7, label="P(occupied)")
     save(figure, path)
@@ -99,7 +90,7 @@ def draw_demo(
     log_truth = log.require_truth("the picture")
 
     _room(room, world)
-    room.plot(log_truth.x_m, log_truth.y_m, color=_PATH, lw=1.5, label="true path")
+    room.plot(log_truth.x_m, log_truth.y_m, color=PATH_COLOUR, lw=1.5, label="true path")
     room.plot(log.x_m, log.y_m, color="#E69F00", lw=1, ls="--", label="odometry")
     _robot(room, world.start)
     _legend_below(room)
@@ -170,9 +161,9 @@ def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None
         axes.add_patch(
             PathPatch(
                 _outline(solid),
-                facecolor=shades[name] if by_material else _WALL,
+                facecolor=shades[name] if by_material else WALL_COLOUR,
                 # In its own colour, or a thin board would be all black border.
-                edgecolor=shades[name] if by_material else _WALL,
+                edgecolor=shades[name] if by_material else WALL_COLOUR,
                 lw=1.0,
                 label=name if by_material and name not in told else None,
             )
@@ -199,13 +190,13 @@ def _outline(solid: worlds.Solid) -> Outline:
 
 
 def _robot(axes: Axes, start: worlds.Pose) -> None:
-    axes.plot(start.x_m, start.y_m, "o", color=_PATH, ms=7)
+    axes.plot(start.x_m, start.y_m, "o", color=PATH_COLOUR, ms=7)
     axes.quiver(
         start.x_m,
         start.y_m,
         np.cos(start.heading_rad),
         np.sin(start.heading_rad),
-        color=_PATH,
+        color=PATH_COLOUR,
         scale=12,
         width=0.008,
     )

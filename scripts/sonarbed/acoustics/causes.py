@@ -6,11 +6,11 @@ import numpy as np
 
 from sim.sonars import PRESETS
 from sonarbed.acoustics.driving import Drive, cause_name, drive
-from sonarbed.pictures import CAUSE_COLOURS
 from sonarbed.studies.drawing import figure_with
 from sonarbed.studies.section import Item, Section
 from sonarbed.studies.setting import Setting
 from sonarmap import Cause
+from worlds.colours import CAUSE_COLOURS
 
 __all__ = ["ROOMS", "SECONDS", "run"]
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from sim import AllAtOnce, Eeruf, Firing, InTurn
 from sonarbed.acoustics.driving import Drive, drive
 from sonarbed.acoustics.theory import physical
-from sonarbed.pictures import CAUSE_COLOURS
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.section import Item, Section
 from sonarbed.studies.setting import Setting
 from sonarmap import Cause, SonarLog, eeruf_accepts
+from worlds.colours import CAUSE_COLOURS
 
 __all__ = ["SCHEMES", "SECONDS", "run"]
 

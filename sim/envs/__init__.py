@@ -1,0 +1,1 @@
+"""Gymnasium environments about sonar: tasks, pictures and films."""
