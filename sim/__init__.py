@@ -1,4 +1,9 @@
-"""A simulated AmigoBot with eight sonars in a known room."""
+"""A simulated AmigoBot with eight sonars in a known room; environments to train in.
+
+Importing it registers the environments of `sim.envs` with Gymnasium, if that is installed.
+"""
+
+from importlib.util import find_spec
 
 from sim.acoustics import Ears, Echoes, Sonar
 from sim.air import Air
@@ -40,3 +45,8 @@ __all__ = [
     "Waypoints",
     "simulate",
 ]
+
+if find_spec("gymnasium") is not None:
+    from sim.envs.registration import register_all
+
+    register_all()

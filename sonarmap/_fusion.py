@@ -231,6 +231,8 @@ def cone_memory(room):  # type: ignore[no-untyped-def]  # pragma: no cover - com
 
 @njit(cache=True, error_model="numpy")
 def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    rows,
+    cols,
     origin_x,
     origin_y,
     resolution,
@@ -249,7 +251,7 @@ def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
 
     Parameters
     ----------
-    origin_x, origin_y, resolution : float
+    rows, cols, origin_x, origin_y, resolution
         The grid, metres.
     x, y, axis_rad : float
         Place and axis of the sonar.
@@ -259,9 +261,8 @@ def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
         The reading's `Regions`.
     bearing : ndarray
         `bearing_polynomial` of the half-angle.
-    runs : ndarray of int, shape (3, rows)
-        Written for these rows: first column and number of cells, columns of the grid in
-        ``runs[2, 0]`` (given).
+    runs : ndarray of int, shape (2, rows)
+        Written for these rows: first column and number of cells.
     cells : tuple of six ndarray, shape (room,)
         Working memory for `cone_room` cells; the last gets the log-odds, row by row. (Six arrays,
         since the compiler does not vectorise over rows of one.)
@@ -269,8 +270,8 @@ def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
     axis_x, axis_y = math.cos(axis_rad), math.sin(axis_rad)
     dx, dy, ranges, shares, p, evidence = cells
     row_begin, row_end, n = _list_cells(
-        runs.shape[1],
-        runs[2, 0],
+        rows,
+        cols,
         x - origin_x - 0.5 * resolution,
         y - origin_y - 0.5 * resolution,
         resolution,
@@ -326,10 +327,11 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """
     rows, cols = log_odds.shape
     cells = cone_memory(cone_room(rows, cols, resolution, border[:, 2]))
-    runs = np.empty((3, rows), np.int64)
-    runs[2, 0] = cols
+    runs = np.empty((2, rows), np.int64)
     for i in range(axis_rad.size):
         row_begin, row_end = cone_evidence(
+            rows,
+            cols,
             origin_x,
             origin_y,
             resolution,

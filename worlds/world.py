@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -138,6 +138,17 @@ class World:
         # A place deep inside of a solid is far from every face, too.
         place = shapely.Point(x_m, y_m)
         return not any(solid.outline.contains(place) for solid in self.solids)
+
+    def with_materials(self, materials: Sequence[Material]) -> World:
+        """Return the world with other materials, one a solid; its faces stay the same value."""
+        solids = tuple(
+            replace(solid, material=material)
+            for solid, material in zip(self.solids, materials, strict=True)
+        )
+        changed = replace(self, solids=solids)
+        # What is computed from the shapes alone need not be computed again.
+        changed.__dict__["faces"] = self.faces
+        return changed
 
     def transformed(self, *, quarter_turns: int) -> World:
         """Return the world turned about the origin, counter-clockwise by right angles.

@@ -1,1 +1,5 @@
-"""Gymnasium environments about sonar: tasks, pictures and films."""
+"""Gymnasium environments about sonar: tasks, vector environments, pictures and films."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -32,7 +32,8 @@ class Rooms:
         """
         self._of_robot[row] = world
         for number, known in enumerate(self._worlds):
-            if known is world:
+            # Worlds that differ in their materials alone share their faces.
+            if known.faces is world.faces:
                 return number
         number = self._free_number()
         self._worlds[number : number + 1] = [world]
@@ -51,6 +52,6 @@ class Rooms:
 
     def _free_number(self) -> int:
         for number, known in enumerate(self._worlds):
-            if not any(known is used for used in self._of_robot):
+            if not any(used and known.faces is used.faces for used in self._of_robot):
                 return number
         return len(self._worlds)

@@ -1,0 +1,155 @@
+"""Compiled: the maps of many robots grow, are judged as they grow, and are seen from the robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit, prange
+
+from sonarmap._fusion import cone_evidence, cone_memory
+from sonarmap.scores import CLAMP, FREE_UP_TO
+
+__all__ = ["add_fresh", "see_patches"]
+
+# A map's cell counts as free below this.
+_FREE_LOG_ODDS = math.log(FREE_UP_TO / (1 - FREE_UP_TO))
+# Bits of a cell (see `sonarmap.MapScore`) by the log-odds of its true state, as a table with
+# linear steps between: within 1e-6 of the formula, and many times faster.
+_LIMIT = math.log((1 - CLAMP) / CLAMP)
+_PER_UNIT = 512.0
+_BITS = 1 + np.log2(
+    1 / (1 + np.exp(-np.linspace(-_LIMIT, _LIMIT, int(2 * _LIMIT * _PER_UNIT) + 2)))
+)
+_STEPS = _BITS.size - 1
+
+
+@njit(cache=True)
+def _bits(log_odds):
+    place = (min(max(log_odds, -_LIMIT), _LIMIT) + _LIMIT) * (_STEPS / (2 * _LIMIT))
+    low = min(int(place), _STEPS - 1)
+    return _BITS[low] + (place - low) * (_BITS[low + 1] - _BITS[low])
+
+
+@njit(cache=True)
+def _add_reading(
+    log_odds, sign, reachable, gains, shape, grid, x, y, axis_rad, half_angle,
+    border, axis, edge, bearing, runs, cells,
+):  # fmt: skip
+    """Add one reading to one map, and what it gains to `gains`; see `add_fresh`."""
+    row_begin, row_end = cone_evidence(
+        shape[0], shape[1], grid[0], grid[1], grid[2], x, y, axis_rad, half_angle,
+        border, axis, edge, bearing, runs, cells,
+    )  # fmt: skip
+    evidence = cells[5]
+    n = 0
+    for row in range(row_begin, row_end):
+        first, count = runs[0, row], runs[1, row]
+        for k in range(count):
+            col, added = first + k, evidence[n + k]
+            if added == 0.0:
+                continue
+            old = log_odds[row, col]
+            new = old + added
+            log_odds[row, col] = new
+            truth = sign[row, col]
+            if truth == 0:
+                continue
+            gains[0] += _bits(truth * new) - _bits(truth * old)
+            if old == 0.0:
+                gains[1] += 1.0
+            if reachable[row, col]:
+                gains[2] += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
+        n += count
+
+
+@njit(cache=True, parallel=True)
+def add_fresh(
+    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, echo,
+    border, axis, edge, bearing, room, jobs,
+):  # fmt: skip
+    """Add the readings of the last control step to the maps of robots.
+
+    Parameters
+    ----------
+    states : structured ndarray, shape (robots,)
+        `sim.envs.states.robot_dtype`.
+    rows : ndarray of int
+        Which robots.
+    log_odds, sign, reachable : ndarray, shape (robots, rows, cols)
+        Their maps, changed in place, and the truth (`sim.envs.facts.RoomFacts`).
+    gains : ndarray, shape (robots, 3)
+        Changed in place: bits gained and cells newly spoken of since it was cleared, and
+        reachable cells that the map calls free.
+    shapes, grids : ndarray, shapes (robots, 2), (robots, 3)
+        Rows and columns of each map; its lower-left corner and cell size, metres.
+    mounts : ndarray, shape (sonars, 3)
+        Place and axis of each sonar in the robot's frame.
+    half_angle, bearing
+        See `sonarmap._fusion.cone_evidence`.
+    echo : ndarray of bool, shape (robots, sonars)
+        Which readings say something.
+    border, axis, edge : ndarray, shapes (robots, sonars, 3), (..., 3, 2), (..., 3, 2)
+        Their `Regions`.
+    room : int
+        Cells for which there must be memory.
+    jobs : int
+        In so many parts the work is done, each with memory of its own.
+    """
+    for job in prange(jobs):
+        cells, runs = cone_memory(room), np.empty((2, log_odds.shape[1]), np.int64)
+        for i in range(rows.size * job // jobs, rows.size * (job + 1) // jobs):
+            row = rows[i]
+            for k in range(mounts.shape[0]):
+                if not echo[row, k]:
+                    continue
+                pose = states[row].fired_pose[k]
+                cos, sin = math.cos(pose[2]), math.sin(pose[2])
+                _add_reading(
+                    log_odds[row], sign[row], reachable[row], gains[row], shapes[row], grids[row],
+                    pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
+                    pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
+                    pose[2] + mounts[k, 2],
+                    half_angle, border[row, k], axis[row, k], edge[row, k], bearing, runs, cells,
+                )  # fmt: skip
+
+
+@njit(cache=True, parallel=True)
+def see_patches(states, log_odds, shapes, grids, size, cell_m, jobs):
+    """Return the maps around the robots as they see them.
+
+    Parameters
+    ----------
+    states, log_odds, shapes, grids
+        As for `add_fresh`.
+    size : int
+        Cells on a side.
+    cell_m : float
+        Side of a cell, metres.
+    jobs : int
+        In so many parts the work is done.
+
+    Returns
+    -------
+    ndarray of uint8, shape (robots, 1, size, size)
+        P(occupied) times 255; the first row is farthest ahead, the first column farthest left.
+        What is not in the map is unknown, 128.
+    """
+    robots = states.size
+    patches = np.full((robots, 1, size, size), 128, np.uint8)
+    for job in prange(jobs):
+        for robot in range(robots * job // jobs, robots * (job + 1) // jobs):
+            pose = states[robot].believed_pose
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
+            left, bottom, resolution = grids[robot, 0], grids[robot, 1], grids[robot, 2]
+            for i in range(size):
+                ahead = (0.5 * size - 0.5 - i) * cell_m
+                for j in range(size):
+                    aside = (0.5 * size - 0.5 - j) * cell_m
+                    col = math.floor((pose[0] + cos * ahead - sin * aside - left) / resolution)
+                    row = math.floor((pose[1] + sin * ahead + cos * aside - bottom) / resolution)
+                    if 0 <= row < shapes[robot, 0] and 0 <= col < shapes[robot, 1]:
+                        known = log_odds[robot, row, col]
+                        if known != 0.0:
+                            patches[robot, 0, i, j] = round(255.0 / (1.0 + math.exp(-known)))
+    return patches

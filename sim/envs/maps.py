@@ -1,0 +1,141 @@
+"""`RobotMaps`: the occupancy maps that robots build as they drive."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.envs.facts import RoomFacts
+from sim.envs.map_kernel import add_fresh, see_patches
+from sonarmap import OccupancyMap, SonarRing
+from sonarmap._fusion import bearing_polynomial, cone_room
+from sonarmap.models import Regions, SensorModel
+
+__all__ = ["RobotMaps"]
+
+# More robots than this are mapped on all cores; starting them costs more than mapping few.
+_JOBS = 8
+
+
+class RobotMaps:
+    """Occupancy maps of robots, as `sonarmap.build_map` makes them, reading by reading.
+
+    Readings count where they were fired by odometry; no echo is ignored.
+
+    Parameters
+    ----------
+    robots : int
+        How many.
+    ring : SonarRing
+        The sonars of every robot.
+    model : SensorModel
+        What a reading says of the cells in its cone.
+    """
+
+    def __init__(self, robots: int, ring: SonarRing, model: SensorModel) -> None:
+        self._ring, self._model = ring, model
+        self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
+        self._bearing = bearing_polynomial(model.half_angle_rad)
+        self._limit_m = min(ring.range_max_m, model.range_limit_m)
+        self._facts: list[RoomFacts | None] = [None] * robots
+        self._log_odds = np.zeros((robots, 1, 1))
+        self._sign = np.zeros((robots, 1, 1), np.int8)
+        self._reachable = np.zeros((robots, 1, 1), bool)
+        self._shapes = np.ones((robots, 2), np.int64)
+        self._grids = np.ones((robots, 3))
+        self._gains = np.zeros((robots, 3))
+        self._room = 1
+
+    def begin(self, row: int, facts: RoomFacts) -> None:
+        """Begin an empty map of a room."""
+        grid = facts.grid
+        self._facts[row] = facts
+        self._grow(*grid.shape)
+        here = slice(grid.rows), slice(grid.cols)
+        for array, values in (
+            (self._log_odds, 0.0),
+            (self._sign, facts.sign),
+            (self._reachable, facts.reachable),
+        ):
+            array[row] = 0
+            array[row][here] = values
+        self._shapes[row] = grid.shape
+        self._grids[row] = *grid.origin_xy_m, grid.resolution_m
+        self._gains[row] = 0.0
+        # Of all rooms so far: a cone needs at most so much memory.
+        reach_m = self._regions(np.array([self._limit_m])).reach_m
+        self._room = max(self._room, cone_room(*grid.shape, grid.resolution_m, reach_m))
+
+    def add(self, states: NDArray[np.void], rows: NDArray[np.int64]) -> None:
+        """Add the readings of the last control step to the maps of some robots.
+
+        `bits_gained` and `new_cells` are then those of this call.
+        """
+        self._gains[rows, :2] = 0.0
+        range_m = states["range_m"]
+        echo = (states["fresh"] != 0) & (range_m >= 0) & (range_m <= self._limit_m)
+        # The regions of what says nothing are not used, but must be finite.
+        regions = self._regions(np.where(echo, range_m, self._limit_m).ravel())
+        robots, sonars = range_m.shape
+        add_fresh(
+            states,
+            rows,
+            self._log_odds,
+            self._sign,
+            self._reachable,
+            self._gains,
+            self._shapes,
+            self._grids,
+            self._mounts,
+            self._model.half_angle_rad,
+            echo,
+            regions.border_m.reshape(robots, sonars, -1),
+            regions.axis.reshape(robots, sonars, -1, 2),
+            regions.edge.reshape(robots, sonars, -1, 2),
+            self._bearing,
+            self._room,
+            min(rows.size, _JOBS),
+        )
+
+    @property
+    def bits_gained(self) -> NDArray[np.float64]:
+        """Bits of the map score, summed over the cells, that the last readings gained."""
+        return self._gains[:, 0].copy()
+
+    @property
+    def new_cells(self) -> NDArray[np.float64]:
+        """Cells, free or occupied in truth, of which the last readings were the first to speak."""
+        return self._gains[:, 1].copy()
+
+    @property
+    def mapped_cells(self) -> NDArray[np.float64]:
+        """Reachable cells that each map calls free."""
+        return self._gains[:, 2].copy()
+
+    def patches(self, states: NDArray[np.void], size: int, cell_m: float) -> NDArray[np.uint8]:
+        """Return the maps around the robots, see `sim.envs.map_kernel.see_patches`."""
+        patches: NDArray[np.uint8] = see_patches(
+            states, self._log_odds, self._shapes, self._grids, size, cell_m,
+            min(len(states), _JOBS),
+        )  # fmt: skip
+        return patches
+
+    def map_of(self, row: int) -> OccupancyMap:
+        """Return a copy of one robot's map."""
+        facts = self._facts[row]
+        assert facts is not None, "asked before begin"
+        return OccupancyMap(facts.grid, self._log_odds[row, : facts.grid.rows, : facts.grid.cols])
+
+    def _regions(self, range_m: NDArray[np.float64]) -> Regions:
+        return self._model.regions(range_m)
+
+    def _grow(self, rows: int, cols: int) -> None:
+        robots, had_rows, had_cols = self._log_odds.shape
+        shape = robots, max(rows, had_rows), max(cols, had_cols)
+        if shape == self._log_odds.shape:
+            return
+        for name in ("_log_odds", "_sign", "_reachable"):
+            old = getattr(self, name)
+            new = np.zeros(shape, old.dtype)
+            new[:, :had_rows, :had_cols] = old
+            setattr(self, name, new)
