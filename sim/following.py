@@ -14,9 +14,8 @@ OFF_SURFACE_M = 1e-6
 
 
 @njit(cache=True)
-def turned(axis_rad, cos_bearing, sin_bearing):
-    """Return the direction (x, y) at a bearing, given as cosine and sine, off an axis."""
-    cos, sin = math.cos(axis_rad), math.sin(axis_rad)
+def turned(cos, sin, cos_bearing, sin_bearing):
+    """Return the direction (x, y) at a bearing off an axis, both given as cosine and sine."""
     return cos * cos_bearing - sin * sin_bearing, sin * cos_bearing + cos * sin_bearing
 
 
@@ -42,11 +41,12 @@ def open_fans(sensor_xy_m, axis_rad, bearing_rad):
     origin, direction = np.empty((n, 2)), np.empty((n, 2))
     cos_bearing, sin_bearing = np.cos(bearing_rad), np.sin(bearing_rad)
     for k in range(axis_rad.size):
+        cos, sin = math.cos(axis_rad[k]), math.sin(axis_rad[k])
         for j in range(rays):
             i = k * rays + j
             fan[i] = k
             origin[i, 0], origin[i, 1] = sensor_xy_m[k, 0], sensor_xy_m[k, 1]
-            direction[i, 0], direction[i, 1] = turned(axis_rad[k], cos_bearing[j], sin_bearing[j])
+            direction[i, 0], direction[i, 1] = turned(cos, sin, cos_bearing[j], sin_bearing[j])
     return fan, origin, direction, np.zeros(n), np.ones(n)
 
 

@@ -15,6 +15,10 @@ from sonarmap.errors import did_you_mean
 
 __all__ = ["MODES", "ActionMode", "action_mode"]
 
+# Speeds of the left and right wheel at the fastest drive, and at the fastest turn.
+_HALF_TURN_MPS = 0.5 * TRACK_M * TURN_MAX_RADPS
+_WHEELS_OF_VELOCITY = np.array([[SPEED_MAX_MPS, SPEED_MAX_MPS], [-_HALF_TURN_MPS, _HALF_TURN_MPS]])
+
 
 class ActionMode(Protocol):
     """How actions become wheel speeds."""
@@ -112,9 +116,8 @@ def action_mode(name: str) -> ActionMode:
 
 
 def _of_velocity(shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    speed_mps = SPEED_MAX_MPS * shares[:, 0]
-    half_mps = 0.5 * TRACK_M * TURN_MAX_RADPS * shares[:, 1]
-    return np.stack([speed_mps - half_mps, speed_mps + half_mps], axis=1)
+    wheels_mps: NDArray[np.float64] = shares @ _WHEELS_OF_VELOCITY
+    return wheels_mps
 
 
 def _invalid(message: str) -> Exception:

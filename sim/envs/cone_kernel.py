@@ -56,9 +56,10 @@ def hear_cone(
     axis_range_m, cone_range_m = math.inf, math.inf
     under_way = cos_bearing.size
     middle = under_way // 2
+    cos_axis, sin_axis = math.cos(axis_rad), math.sin(axis_rad)
     for i in range(under_way):
         rays[i, _X], rays[i, _Y], rays[i, _WAY], rays[i, _STRENGTH] = x, y, 0.0, 1.0
-        rays[i, _DX], rays[i, _DY] = turned(axis_rad, cos_bearing[i], sin_bearing[i])
+        rays[i, _DX], rays[i, _DY] = turned(cos_axis, sin_axis, cos_bearing[i], sin_bearing[i])
 
     for bounce in range(max_bounces + 1):
         mirrored = 0

@@ -10,7 +10,7 @@ from numba import njit, prange
 from sonarmap._fusion import cone_evidence, cone_memory
 from sonarmap.scores import CLAMP, FREE_UP_TO
 
-__all__ = ["add_fresh", "see_patches"]
+__all__ = ["add_fresh", "add_fresh_together", "see_patches", "see_patches_together"]
 
 # A map's cell counts as free below this.
 _FREE_LOG_ODDS = math.log(FREE_UP_TO / (1 - FREE_UP_TO))
@@ -55,7 +55,9 @@ def _add_reading(
             truth = sign[row, col]
             if truth == 0:
                 continue
-            gains[0] += _bits(truth * new) - _bits(truth * old)
+            # Of a cell that is as right, or as wrong, as a score can tell, nothing changes.
+            if not min(abs(old), abs(new)) >= _LIMIT or old * new < 0.0:
+                gains[0] += _bits(truth * new) - _bits(truth * old)
             if old == 0.0:
                 gains[1] += 1.0
             if reachable[row, col]:
@@ -63,10 +65,10 @@ def _add_reading(
         n += count
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True)
 def add_fresh(
     states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, echo,
-    border, axis, edge, bearing, room, jobs,
+    border, axis, edge, bearing, room,
 ):  # fmt: skip
     """Add the readings of the last control step to the maps of robots.
 
@@ -93,63 +95,81 @@ def add_fresh(
         Their `Regions`.
     room : int
         Cells for which there must be memory.
-    jobs : int
-        In so many parts the work is done, each with memory of its own.
     """
-    for job in prange(jobs):
-        cells, runs = cone_memory(room), np.empty((2, log_odds.shape[1]), np.int64)
-        for i in range(rows.size * job // jobs, rows.size * (job + 1) // jobs):
-            row = rows[i]
-            for k in range(mounts.shape[0]):
-                if not echo[row, k]:
-                    continue
-                pose = states[row].fired_pose[k]
-                cos, sin = math.cos(pose[2]), math.sin(pose[2])
-                _add_reading(
-                    log_odds[row], sign[row], reachable[row], gains[row], shapes[row], grids[row],
-                    pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
-                    pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
-                    pose[2] + mounts[k, 2],
-                    half_angle, border[row, k], axis[row, k], edge[row, k], bearing, runs, cells,
-                )  # fmt: skip
+    cells, runs = cone_memory(room), np.empty((2, log_odds.shape[1]), np.int64)
+    for row in rows:
+        for k in range(mounts.shape[0]):
+            if not echo[row, k]:
+                continue
+            pose = states[row].fired_pose[k]
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
+            _add_reading(
+                log_odds[row], sign[row], reachable[row], gains[row], shapes[row], grids[row],
+                pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
+                pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
+                pose[2] + mounts[k, 2],
+                half_angle, border[row, k], axis[row, k], edge[row, k], bearing, runs, cells,
+            )  # fmt: skip
 
 
 @njit(cache=True, parallel=True)
-def see_patches(states, log_odds, shapes, grids, size, cell_m, jobs):
-    """Return the maps around the robots as they see them.
+def add_fresh_together(
+    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, echo,
+    border, axis, edge, bearing, room, jobs,
+):  # fmt: skip
+    """Do as `add_fresh` on all cores, in so many parts."""
+    for job in prange(jobs):
+        begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
+        add_fresh(
+            states, rows[begin:end], log_odds, sign, reachable, gains, shapes, grids, mounts,
+            half_angle, echo, border, axis, edge, bearing, room,
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def _see_patch(patch, pose, log_odds, shape, grid, cell_m):
+    """Write the map around one robot; see `see_patches`."""
+    size = patch.shape[0]
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    for i in range(size):
+        ahead = (0.5 * size - 0.5 - i) * cell_m
+        for j in range(size):
+            aside = (0.5 * size - 0.5 - j) * cell_m
+            col = math.floor((pose[0] + cos * ahead - sin * aside - grid[0]) / grid[2])
+            row = math.floor((pose[1] + sin * ahead + cos * aside - grid[1]) / grid[2])
+            known = 0.0
+            if 0 <= row < shape[0] and 0 <= col < shape[1]:
+                known = log_odds[row, col]
+            # Half up, so that 0.5 is 128.
+            patch[i, j] = int(255.0 / (1.0 + math.exp(-known)) + 0.5) if known != 0.0 else 128
+
+
+@njit(cache=True)
+def see_patches(patches, states, log_odds, shapes, grids, cell_m):
+    """Write the maps around the robots as they see them.
 
     Parameters
     ----------
+    patches : ndarray of uint8, shape (robots, 1, size, size)
+        Written: P(occupied) times 255; the first row is farthest ahead, the first column farthest
+        left. What is not in the map is unknown, 128.
     states, log_odds, shapes, grids
         As for `add_fresh`.
-    size : int
-        Cells on a side.
     cell_m : float
-        Side of a cell, metres.
-    jobs : int
-        In so many parts the work is done.
-
-    Returns
-    -------
-    ndarray of uint8, shape (robots, 1, size, size)
-        P(occupied) times 255; the first row is farthest ahead, the first column farthest left.
-        What is not in the map is unknown, 128.
+        Side of a cell of the patch, metres.
     """
-    robots = states.size
-    patches = np.full((robots, 1, size, size), 128, np.uint8)
-    for job in prange(jobs):
-        for robot in range(robots * job // jobs, robots * (job + 1) // jobs):
-            pose = states[robot].believed_pose
-            cos, sin = math.cos(pose[2]), math.sin(pose[2])
-            left, bottom, resolution = grids[robot, 0], grids[robot, 1], grids[robot, 2]
-            for i in range(size):
-                ahead = (0.5 * size - 0.5 - i) * cell_m
-                for j in range(size):
-                    aside = (0.5 * size - 0.5 - j) * cell_m
-                    col = math.floor((pose[0] + cos * ahead - sin * aside - left) / resolution)
-                    row = math.floor((pose[1] + sin * ahead + cos * aside - bottom) / resolution)
-                    if 0 <= row < shapes[robot, 0] and 0 <= col < shapes[robot, 1]:
-                        known = log_odds[robot, row, col]
-                        if known != 0.0:
-                            patches[robot, 0, i, j] = round(255.0 / (1.0 + math.exp(-known)))
-    return patches
+    for robot in range(states.size):
+        _see_patch(
+            patches[robot, 0], states[robot].believed_pose,
+            log_odds[robot], shapes[robot], grids[robot], cell_m,
+        )  # fmt: skip
+
+
+@njit(cache=True, parallel=True)
+def see_patches_together(patches, states, log_odds, shapes, grids, cell_m):
+    """Do as `see_patches` on all cores."""
+    for robot in prange(states.size):
+        _see_patch(
+            patches[robot, 0], states[robot].believed_pose,
+            log_odds[robot], shapes[robot], grids[robot], cell_m,
+        )  # fmt: skip

@@ -6,15 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.envs.facts import RoomFacts
-from sim.envs.map_kernel import add_fresh, see_patches
+from sim.envs.map_kernel import (
+    add_fresh,
+    add_fresh_together,
+    see_patches,
+    see_patches_together,
+)
 from sonarmap import OccupancyMap, SonarRing
 from sonarmap._fusion import bearing_polynomial, cone_room
 from sonarmap.models import Regions, SensorModel
 
 __all__ = ["RobotMaps"]
 
-# More robots than this are mapped on all cores; starting them costs more than mapping few.
-_JOBS = 8
+# Few robots are mapped on one core: to start the others would cost more.
+_FEW = 4
+# Many are mapped in so many parts, each with memory of its own.
+_JOBS = 16
 
 
 class RobotMaps:
@@ -77,7 +84,7 @@ class RobotMaps:
         # The regions of what says nothing are not used, but must be finite.
         regions = self._regions(np.where(echo, range_m, self._limit_m).ravel())
         robots, sonars = range_m.shape
-        add_fresh(
+        work = (
             states,
             rows,
             self._log_odds,
@@ -94,8 +101,11 @@ class RobotMaps:
             regions.edge.reshape(robots, sonars, -1, 2),
             self._bearing,
             self._room,
-            min(rows.size, _JOBS),
         )
+        if rows.size < _FEW:
+            add_fresh(*work)
+        else:
+            add_fresh_together(*work, _JOBS)
 
     @property
     def bits_gained(self) -> NDArray[np.float64]:
@@ -114,10 +124,9 @@ class RobotMaps:
 
     def patches(self, states: NDArray[np.void], size: int, cell_m: float) -> NDArray[np.uint8]:
         """Return the maps around the robots, see `sim.envs.map_kernel.see_patches`."""
-        patches: NDArray[np.uint8] = see_patches(
-            states, self._log_odds, self._shapes, self._grids, size, cell_m,
-            min(len(states), _JOBS),
-        )  # fmt: skip
+        patches = np.empty((len(states), 1, size, size), np.uint8)
+        see = see_patches if len(states) < _FEW else see_patches_together
+        see(patches, states, self._log_odds, self._shapes, self._grids, cell_m)
         return patches
 
     def map_of(self, row: int) -> OccupancyMap:

@@ -11,7 +11,6 @@ from gymnasium.spaces import Box, Dict, MultiBinary, Space
 from numpy.typing import NDArray
 
 from sim.acoustics import Sonar
-from sim.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
 from sim.drive import check_steps
 from sim.engine import ENGINES
 from sim.envs.actions import action_mode
@@ -20,6 +19,7 @@ from sim.envs.drawing import Scene
 from sim.envs.episodes import EpisodeOptions, draw_episode
 from sim.envs.maps import RobotMaps
 from sim.envs.physics import EnginePhysics, Physics, Setting
+from sim.envs.senses import keep_account, sense
 from sim.envs.tasks.task import Briefing, Moment, Task
 from sonarmap import InputError, OccupancyMap, ParameterizedModel
 from sonarmap.errors import did_you_mean, positive
@@ -158,9 +158,17 @@ class Team:
         states = self.states
         if self._gear.maps is not None:
             self._gear.maps.add(states, np.flatnonzero(moves))
-        self._touching_s = np.where(states["touched"], self._touching_s + self._spec.control_s, 0.0)
-        self._last_shares = np.where(moves[:, None], shares, self._last_shares)
-        effort = np.minimum((wanted_mps / SPEED_MAX_MPS) ** 2, 1.0).mean(axis=1)
+        effort = np.empty(self._robots)
+        keep_account(
+            states,
+            moves,
+            shares,
+            wanted_mps,
+            self._spec.control_s,
+            self._last_shares,
+            self._touching_s,
+            effort,
+        )
         stuck = self._touching_s >= _STUCK_S - 1e-9
         verdict = self.task.judge(Moment(states, stuck, effort, self._gear.maps))
         info = {"reward_terms": verdict.terms, "stuck": stuck, **verdict.info}
@@ -168,19 +176,15 @@ class Team:
 
     def observe(self) -> dict[str, NDArray[Any]]:
         """Return what the robots know, new arrays, a row a robot."""
-        states, ring = self.states, self._gear.sonar.ring
-        range_m, wheels = states["range_m"], states["wheel_mps"]
-        speed = np.empty((self._robots, 2), np.float32)
-        speed[:, 0] = wheels.mean(axis=1) / SPEED_MAX_MPS
-        speed[:, 1] = (wheels[:, 1] - wheels[:, 0]) / (TRACK_M * TURN_MAX_RADPS)
-        observed: dict[str, NDArray[Any]] = {
-            "range": np.clip(range_m / ring.range_max_m, 0.0, 1.0).astype(np.float32),
-            "validity": np.isfinite(range_m).astype(np.int8),
-            # Encoders and slipping wheels may go a little beyond the limits.
-            "speed": np.clip(speed, -1.0, 1.0, out=speed),
-            "last_action": self._last_shares.astype(np.float32),
-            **self.task.observe(states),
+        states, ring, robots = self.states, self._gear.sonar.ring, self._robots
+        sensed: dict[str, NDArray[Any]] = {
+            "range": np.empty((robots, len(ring)), np.float32),
+            "validity": np.empty((robots, len(ring)), np.int8),
+            "speed": np.empty((robots, 2), np.float32),
+            "last_action": np.empty((robots, 2), np.float32),
         }
+        sense(states, self._last_shares, ring.range_max_m, *sensed.values())
+        observed = {**sensed, **self.task.observe(states)}
         if self._spec.map_patch:
             maps = self._gear.maps
             assert maps is not None, "a patch needs maps"

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 from gymnasium.spaces import Box
+from numba import njit
 from numpy.typing import NDArray
 
 from sim.amigobot import BODY_RADIUS_M
@@ -76,28 +77,32 @@ class Navigate:
         self._way_m[row] = np.inf
         self._way_m[row, : way_m.shape[0], : way_m.shape[1]] = way_m
         self._grid[row] = *facts.grid.origin_xy_m, facts.grid.resolution_m
+        begin = facts.grid.cell_of(briefing.start.x_m, briefing.start.y_m)
+        left_m = float(way_m[begin])
+        # Where the grid does not tell, at a wall, the straight way has to do.
         straight_m = math.dist(goal, (briefing.start.x_m, briefing.start.y_m))
-        self._left_m[row] = straight_m
-        start = np.array([[briefing.start.x_m, briefing.start.y_m]])
-        self._left_m[row] = self._way_left(start, np.array([row]))[0]
+        self._left_m[row] = left_m if math.isfinite(left_m) else straight_m
 
     def observe(self, states: NDArray[np.void]) -> dict[str, NDArray[np.float32]]:
         """Return the goal's range, as a share of 10 m, and the cosine and sine of its bearing."""
-        pose = states["believed_pose"]
-        dx, dy = (self._goal_m - pose[:, :2]).T
-        bearing = np.arctan2(dy, dx) - pose[:, 2]
         goal = np.empty((len(states), 3), np.float32)
-        goal[:, 0] = np.minimum(np.hypot(dx, dy) / _GOAL_RANGE_M, 1.0)
-        goal[:, 1], goal[:, 2] = np.cos(bearing), np.sin(bearing)
+        _tell_goals(states, self._goal_m, goal)
         return {"goal": goal}
 
     def judge(self, moment: Moment) -> Verdict:
         """Judge the control step that has just ended."""
-        place_m = moment.states["true_pose"][:, :2]
-        left_m = self._way_left(place_m, np.arange(len(place_m)))
-        progress_m, self._left_m = self._left_m - left_m, left_m
-        dx, dy = (self._goal_m - place_m).T
-        arrived = np.hypot(dx, dy) <= self.ARRIVED_M
+        states, robots = moment.states, len(moment.states)
+        progress_m, arrived = np.empty(robots), np.empty(robots, bool)
+        _judge_ways(
+            states,
+            self._goal_m,
+            self._way_m,
+            self._grid,
+            self.ARRIVED_M,
+            self._left_m,
+            progress_m,
+            arrived,
+        )
         terms = navigate_terms(progress_m, arrived, moment.states["touched"], moment.effort)
         return Verdict(
             terms,
@@ -110,17 +115,6 @@ class Navigate:
         """Return where a robot shall go, metres."""
         x_m, y_m = self._goal_m[row].tolist()
         return x_m, y_m
-
-    def _way_left(
-        self, place_m: NDArray[np.float64], rows: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
-        """Return how far robots have to drive; as before where the grid does not tell."""
-        grid = self._grid[rows]
-        cell = np.floor((place_m - grid[:, :2]) / grid[:, 2:]).astype(np.int64)
-        inside = (cell >= 0).all(axis=1) & (cell < self._way_m.shape[:0:-1]).all(axis=1)
-        cell[~inside] = 0
-        way_m = np.where(inside, self._way_m[rows, cell[:, 1], cell[:, 0]], np.inf)
-        return np.where(np.isfinite(way_m), way_m, self._left_m[rows])
 
     def _grow(self, rows: int, cols: int) -> None:
         robots, had_rows, had_cols = self._way_m.shape
@@ -155,3 +149,32 @@ def navigate_terms(
         "effort": effort,
         "time": np.ones(len(effort)),
     }
+
+
+@njit(cache=True)
+def _tell_goals(states, goal_m, told):
+    """Write where the goals are as the robots believe, see the environment's docstring."""
+    for i in range(states.size):
+        pose = states[i].believed_pose
+        dx, dy = goal_m[i, 0] - pose[0], goal_m[i, 1] - pose[1]
+        bearing = math.atan2(dy, dx) - pose[2]
+        told[i, 0] = min(math.hypot(dx, dy) / _GOAL_RANGE_M, 1.0)
+        told[i, 1], told[i, 2] = math.cos(bearing), math.sin(bearing)
+
+
+@njit(cache=True)
+def _judge_ways(states, goal_m, way_m, grid, arrived_m, left_m, progress_m, arrived):
+    """Write how much shorter the ways have become and who is there; change what is left.
+
+    Where the grid does not tell how far it is, close to a wall, the way has not changed.
+    """
+    for i in range(states.size):
+        x, y = states[i].true_pose[0], states[i].true_pose[1]
+        col = math.floor((x - grid[i, 0]) / grid[i, 2])
+        row = math.floor((y - grid[i, 1]) / grid[i, 2])
+        now_m = left_m[i]
+        known = 0 <= row < way_m.shape[1] and 0 <= col < way_m.shape[2]
+        if known and math.isfinite(way_m[i, row, col]):
+            now_m = way_m[i, row, col]
+        progress_m[i], left_m[i] = left_m[i] - now_m, now_m
+        arrived[i] = math.hypot(goal_m[i, 0] - x, goal_m[i, 1] - y) <= arrived_m
