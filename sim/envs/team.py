@@ -60,6 +60,8 @@ class TeamSpec:
             raise InputError(
                 f"engine {self.engine!r} is unknown{did_you_mean(self.engine, ENGINES)}"
             )
+        if self.map_patch < 0:
+            raise InputError(f"map_patch must be >= 0, got {self.map_patch!r}")
         action_mode(self.action)
         check_steps("control_s", self.control_s)
         positive("map_resolution_m", self.map_resolution_m)

@@ -1,0 +1,414 @@
+"""The battery that every environment, with every option, has to stand."""
+
+import math
+import pickle
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from rooms import closed_room
+
+import sim
+from sim.envs.drawing import ROBOT_COLOURS
+from sim.envs.registration import IDS
+from sonarmap import InputError
+from worlds import load
+
+OPTIONS = {
+    "plain": {},
+    "wheels": {"action": "wheels"},
+    "discrete": {"action": "discrete"},
+    "patch": {"map_patch": 20},
+    "webots": {"sonar": "webots"},
+    "thesis": {"sonar": "thesis", "control_s": 0.05},
+    "rooms": {"world": ["office", "clutter", "l-shape"], "randomisation": {"noise": (1, 5)}},
+    "bullet": {"engine": "bullet"},
+    "physical": {"sonar": "physical"},
+}
+QUICK = [name for name in OPTIONS if name not in ("bullet", "physical")]
+
+
+def make(name, **options):
+    return gymnasium.make(f"sim:{name}", **options)
+
+
+def roll(env, steps, *, seed, action_seed=0):
+    """Return all that an environment told in so many steps."""
+    env.action_space.seed(action_seed)
+    told = [env.reset(seed=seed)]
+    for _ in range(steps):
+        step = env.step(env.action_space.sample())
+        told.append(step)
+        if step[2] or step[3]:
+            told.append(env.reset())
+    return told
+
+
+def flat(told):
+    """Return everything told as one list of numbers."""
+    numbers = []
+    for part in told:
+        for thing in part:
+            if isinstance(thing, dict):
+                numbers += flat([thing.values()])
+            else:
+                numbers += np.ravel(thing).astype(float).tolist()
+    return numbers
+
+
+@pytest.fixture(params=IDS)
+def name(request):
+    return request.param
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("option", OPTIONS)
+def test_gymnasiums_own_checker_is_content(name, option):
+    env = make(name, **OPTIONS[option]).unwrapped
+    check_env(env, skip_render_check=True)
+    env.close()
+
+
+@pytest.mark.parametrize("option", QUICK)
+def test_every_observation_is_in_its_space_and_no_element_is_constant(name, option):
+    env = make(name, **OPTIONS[option])
+    seen = []
+    for seed in range(3):
+        for told in roll(env, 120, seed=seed, action_seed=seed):
+            assert env.observation_space.contains(told[0])
+            assert all(np.isfinite(values).all() for values in told[0].values())
+            seen.append(told[0])
+    for key in seen[0]:
+        values = np.array([observation[key] for observation in seen], float)
+        varies = np.ptp(values, axis=0) > 0
+        if key == "map":
+            # The corners of the patch may lie outside of a small room all the time.
+            assert varies.mean() > 0.3
+        elif key == "validity":
+            # In these rooms some sonars always have an echo, but not all of them.
+            assert varies.any() or OPTIONS[option].get("sonar") == "webots"
+        else:
+            assert varies.all(), key
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("option", ["rooms", "patch", "bullet", "physical"])
+def test_the_same_seed_gives_the_same_trajectory(name, option):
+    steps = 15 if option in ("bullet", "physical") else 60
+    one, other = (make(name, **OPTIONS[option]) for _ in range(2))
+    first = flat(roll(one, steps, seed=0))  # 0 is a seed
+    # Another environment runs in between, and this one has lived before.
+    roll(make(name, world="corridor"), 5, seed=3)
+    assert flat(roll(other, steps, seed=0)) == first
+    assert flat(roll(one, steps, seed=0)) == first
+    assert flat(roll(one, steps, seed=1)) != first
+    one.close()
+    other.close()
+
+
+def test_resets_differ_and_go_on_with_the_generator(name):
+    env, again = make(name, world="office"), make(name, world="office")
+    env.reset(seed=5)
+    again.reset(seed=5)
+    begins = [env.reset()[1]["true_pose"] for _ in range(5)]
+    assert len({tuple(pose) for pose in begins}) == 5
+    assert np.array_equal(begins, [again.reset()[1]["true_pose"] for _ in range(5)])
+
+
+@pytest.mark.parametrize("option", ["plain", "patch", "discrete"])
+def test_observations_share_no_memory(name, option):
+    env = make(name, **OPTIONS[option])
+    told = [observation for observation, *_ in roll(env, 3, seed=0)]
+    copies = [{key: values.copy() for key, values in each.items()} for each in told]
+    for i, one in enumerate(told):
+        for other in told[i + 1 :]:
+            for key in one:
+                assert not np.shares_memory(one[key], other[key])
+    for observation in told:
+        for values in observation.values():
+            values[...] = 0
+    env.step(env.action_space.sample())
+    assert not all((copy["range"] == 0).all() for copy in copies)
+
+
+def test_closing_twice_is_fine_and_then_nothing_goes(name):
+    env = make(name).unwrapped
+    env.reset(seed=0)
+    env.close()
+    env.close()
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="is closed"):
+        env.step(env.action_space.sample())
+    with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="is closed"):
+        env.reset()
+
+
+def test_two_environments_in_one_process_do_not_meet(name):
+    alone = roll(make(name, world="clutter"), 30, seed=2)
+    one, two = make(name, world="clutter"), make(name, world="office")
+    one.action_space.seed(0)
+    told = [one.reset(seed=2)]
+    two.reset(seed=9)
+    for _ in range(30):
+        told.append(one.step(one.action_space.sample()))
+        two.step(np.array([0.5, -0.5], np.float32))
+        if told[-1][2]:
+            told.append(one.reset())
+    assert flat(told) == flat(alone)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("engine", ["segments", "bullet"])
+def test_workers_of_their_own_process_do_not_meet(engine):
+    single = [
+        roll(make("sonarbed/Navigate-v0", engine=engine), 8, seed=seed, action_seed=seed)
+        for seed in (4, 5)
+    ]
+    vector = gymnasium.make_vec(
+        "sim:sonarbed/Navigate-v0", num_envs=2, vectorization_mode="async", engine=engine
+    )
+    actions = []
+    for seed in (4, 5):
+        space = make("sonarbed/Navigate-v0").action_space
+        space.seed(seed)
+        actions.append([space.sample() for _ in range(8)])
+    observation, _ = vector.reset(seed=4)
+    for step in range(9):
+        for row in (0, 1):
+            expected = single[row][step][0]
+            for key, values in observation.items():
+                assert np.array_equal(values[row], expected[key])
+        if step < 8:
+            observation = vector.step(np.array([actions[0][step], actions[1][step]]))[0]
+    vector.close()
+
+
+def test_the_time_limit_is_the_registrations(name):
+    limit = gymnasium.spec(name).max_episode_steps
+    env = make(name, world="office", start="world")
+    env.reset(seed=0)
+    still = np.zeros(2, np.float32)
+    for step in range(1, limit + 1):
+        _, _, terminated, truncated, _ = env.step(still)
+        assert not terminated
+        assert truncated == (step == limit)
+
+
+def test_a_robot_that_keeps_pushing_a_wall_is_stuck():
+    room = closed_room(1.0)
+    env = make("sonarbed/FollowWall-v0", world=room, start="world", action="wheels").unwrapped
+    env.reset(seed=0)
+    full = np.ones(2, np.float32)
+    steps, terminated = 0, False
+    touching = 0
+    while not terminated:
+        _, _, terminated, _, info = env.step(full)
+        steps += 1
+        touching += info["reward_terms"]["collision"]
+        assert steps < 200
+    assert touching == 20  # two seconds
+    assert info["stuck"]
+    with pytest.raises(gymnasium.error.ResetNeeded, match="the episode has ended"):
+        env.step(full)
+    env.reset()
+    env.step(full)
+
+
+def test_a_step_before_the_first_reset_is_refused():
+    env = make("sonarbed/Explore-v0").unwrapped
+    with pytest.raises(gymnasium.error.ResetNeeded, match="before the first step"):
+        env.step(np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    ("mode", "action", "message"),
+    [
+        ("velocity", [0.0], r"must have shape \(2,\), got \(1,\)"),
+        ("velocity", np.zeros((2, 2)), r"must have shape \(2,\), got \(2, 2\)"),
+        ("velocity", [math.nan, 0.0], r"must be within \[-1, 1\]"),
+        ("wheels", [0.0, 1.01], r"must be within \[-1, 1\]"),
+        ("wheels", ["left", "right"], "must be numbers"),
+        ("wheels", None, "must have shape|must be within"),
+        ("discrete", 6, "must be a whole number 0 to 5, got 6"),
+        ("discrete", -1, "must be a whole number 0 to 5, got -1"),
+        ("discrete", 1.0, "must be a whole number 0 to 5, got 1.0"),
+        ("discrete", [1, 2], r"must be a whole number, got \[1, 2\]"),
+    ],
+)
+def test_bad_actions_are_refused(mode, action, message):
+    env = make("sonarbed/Explore-v0", action=mode).unwrapped
+    env.reset(seed=0)
+    with pytest.raises(gymnasium.error.InvalidAction, match=message):
+        env.step(action)
+    env.step(env.action_space.sample())  # and nothing is broken
+
+
+BAD_ARGUMENTS = [
+    ({"engine": "bulet"}, r"engine 'bulet' is unknown; did you mean 'bullet'\?"),
+    ({"action": "speed"}, "action 'speed' is unknown"),
+    ({"map_patch": -1}, "map_patch must be >= 0, got -1"),
+    ({"control_s": 0.0012}, r"control_s must be a multiple of 0.005 s, got 0.0012"),
+    ({"map_resolution_m": 0.0}, "map_resolution_m must be > 0"),
+    ({"render_mode": "humans"}, "render_mode 'humans' is unknown; did you mean 'human'"),
+]
+BAD_OPTIONS = [
+    ({"world": "ofice"}, r"'ofice'.*did you mean 'office'\?"),
+    ({"world": []}, "world must name at least one room, got none"),
+    ({"sonar": "fysical"}, r"sonar 'fysical' is unknown; did you mean 'physical'\?"),
+    ({"start": "anywhere"}, "start must be 'random' or 'world' or 3 finite numbers"),
+    ({"start": (1.0, 2.0)}, "start must be 'random' or 'world' or 3 finite numbers"),
+    ({"start": (math.nan, 2.0, 0.0)}, "start must be .* 3 finite numbers"),
+    ({"start": (0.0, 0.0, 0.0)}, r"start of \(0, 0\) m must leave the robot .* clear"),
+    ({"goal": (1.0, 2.0, 3.0)}, "goal must be 'random' or 2 finite numbers"),
+    ({"goal": (99.0, 0.0)}, "goal of .* must be where the robot"),
+    ({"randomisation": {"colour": 1}}, "randomisation 'colour' is unknown"),
+    ({"randomisation": {"noise": (2, 1)}}, "noise must be two numbers, the lower one first"),
+    ({"randomisation": {"noise": (0, 1)}}, "must be > 0"),
+    ({"randomisation": {"temperature_c": (0, 90)}}, r"temperature_c must be within \[-20, 50\]"),
+    ({"randomisation": {"materials": ["velvet"]}}, "material 'velvet' is unknown"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "message"), BAD_ARGUMENTS)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises((InputError, gymnasium.error.Error), match=message):
+        sim.envs.NavigateEnv(**arguments)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [*BAD_OPTIONS, ({"wrld": "office"}, "option 'wrld' is unknown; did you mean 'world'")],
+)
+def test_bad_options_are_refused(options, message):
+    env = make("sonarbed/Navigate-v0").unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=message):
+        env.reset(options=options)
+    env.reset()
+    env.step(env.action_space.sample())
+
+
+@pytest.mark.parametrize(("options", "message"), BAD_OPTIONS)
+def test_they_are_refused_as_arguments_too(options, message):
+    def begin():
+        env = sim.envs.NavigateEnv(**options)
+        env.reset(seed=0)
+
+    with pytest.raises(InputError, match=message):
+        begin()
+
+
+def test_options_of_a_reset_hold_for_one_episode():
+    env = make("sonarbed/Navigate-v0", world="office").unwrapped
+    options = {"world": "clutter", "start": (1.0, 1.0, 0.5), "goal": (3.0, 3.0), "sonar": "thesis"}
+    clutter = load("clutter")
+    options["start"] = (clutter.start.x_m, clutter.start.y_m, 0.5)
+    _, info = env.reset(seed=0, options=options)
+    assert info["true_pose"].tolist() == list(options["start"])
+    assert env.team.setting_of(0).world.name == "clutter"
+    assert env.team.setting_of(0).sonar.name == "thesis"
+    assert env.team.task.goal_of(0) == (3.0, 3.0)
+    env.step(env.action_space.sample())
+    env.reset()
+    assert env.team.setting_of(0).world.name == "office"
+    assert env.team.setting_of(0).sonar.name == "aria"
+
+
+def test_a_world_may_be_a_file(tmp_path):
+    file = tmp_path / "hall.toml"
+    file.write_text(
+        'title = "a hall"\nsource = "a test"\n'
+        "bounds_m = [0, 0, 4, 3]\nstart = { x_m = 1, y_m = 1, heading_deg = 0 }\n"
+        '[[wall]]\nname = "walls"\npoints_m = [[0, 0], [4, 0], [4, 3], [0, 3]]\nclosed = true\n'
+        'side = "right"\nthickness_m = 0.1\nheight_m = 2\nmaterial = "brick"\n'
+    )
+    env = make("sonarbed/Explore-v0", world=file)
+    env.reset(seed=0)
+    assert env.unwrapped.team.setting_of(0).world.name == "hall"
+
+
+def test_randomisation_draws_materials_noise_and_air_for_every_episode():
+    drawn = {"materials": ("metal", "foam"), "noise": (1, 4), "temperature_c": (0, 40)}
+    env = make("sonarbed/Explore-v0", randomisation=drawn, world="clutter").unwrapped
+    settings = []
+    for seed in range(6):
+        env.reset(seed=seed)
+        settings.append(env.team.setting_of(0))
+    noise = [setting.sonar.noise_std_m for setting in settings]
+    scales = [setting.sonar.range_scale for setting in settings]
+    assert 0.001 <= min(noise) < max(noise) <= 0.004
+    # 331.3 sqrt(1 + t / 273.15) m/s at 0, 20 and 40 degrees.
+    assert 343.2 / 354.8 <= min(scales) < max(scales) <= 343.3 / 331.3
+    materials = {solid.material.name for setting in settings for solid in setting.world.solids}
+    assert materials == {"metal", "foam"}
+    assert len({tuple(s.material.name for s in each.world.solids) for each in settings}) > 1
+
+
+def test_a_sonar_without_noise_cannot_be_randomised():
+    env = make("sonarbed/Explore-v0", sonar="webots", randomisation={"noise": (1, 2)})
+    with pytest.raises(InputError, match="'webots' has neither noise nor air"):
+        env.reset(seed=0)
+
+
+def robot_at(frame):
+    """Return the mean pixel (x, y) of the robot's body in the left panel."""
+    body = [int(ROBOT_COLOURS[0][i : i + 2], 16) for i in (1, 3, 5)]
+    found = (frame == body).all(axis=2)
+    rows, cols = np.nonzero(found)
+    return cols.mean(), rows.mean()
+
+
+def test_the_robots_pixels_move_as_the_robot_does():
+    env = sim.envs.FollowWallEnv(world="office", start=(2.0, 3.0, 0.0), render_mode="rgb_array")
+    env.reset(seed=0)
+    before, pose_before = env.render(), env.team.states["true_pose"][0].copy()
+    for _ in range(20):
+        env.step(np.array([0.6, 0.0], np.float32))
+    after, pose_after = env.render(), env.team.states["true_pose"][0].copy()
+    assert before.shape == after.shape
+    moved_px = np.subtract(robot_at(after), robot_at(before))
+    moved_m = (pose_after - pose_before)[:2]
+    assert moved_m[0] > 0.4
+    px_per_m = moved_px[0] / moved_m[0]
+    assert 40 < px_per_m < 120
+    assert moved_px[1] == pytest.approx(-moved_m[1] * px_per_m, abs=1.5)
+
+
+def test_rendering_changes_nothing(name):
+    drawn = make(name, render_mode="rgb_array", map_patch=20)
+    blind = make(name, map_patch=20)
+    with_frames = []
+    drawn.action_space.seed(0)
+    with_frames.append(drawn.reset(seed=1))
+    for _ in range(20):
+        frame = drawn.render()
+        assert (frame.dtype, frame.ndim, frame.shape[2]) == (np.uint8, 3, 3)
+        with_frames.append(drawn.step(drawn.action_space.sample()))
+        if with_frames[-1][2]:
+            with_frames.append(drawn.reset())
+    assert flat(with_frames) == flat(roll(blind, 20, seed=1))
+
+
+def test_a_window_shows_the_frames(monkeypatch):
+    pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = make("sonarbed/Explore-v0", render_mode="human")
+    env.metadata["render_fps"] = 1000
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    assert env.render() is None
+    env.close()
+
+
+def test_the_map_so_far_is_there_for_who_asks():
+    env = make("sonarbed/Explore-v0").unwrapped
+    env.reset(seed=0)
+    assert (env.occupancy_map.probability != 0.5).any()
+    without = make("sonarbed/Navigate-v0").unwrapped
+    without.reset(seed=0)
+    assert without.occupancy_map is None
+
+
+def test_an_environments_arguments_pickle():
+    spec = gymnasium.spec("sonarbed/Explore-v0")
+    assert pickle.loads(pickle.dumps(spec)).id == "sonarbed/Explore-v0"
