@@ -12,6 +12,7 @@ import sim
 import worlds
 from sim import amigobot, bullet, sonars
 from sim.bullet import Bullet
+from sim.engine import open_engine
 
 SCANS = 1000
 
@@ -60,7 +61,7 @@ def recorded_batches(world: worlds.World) -> list[list[tuple[np.ndarray, np.ndar
 
 
 def bare_loop(world: worlds.World, scans: list, steps: int) -> float:
-    with Bullet(world) as engine:
+    with open_engine("bullet", world) as engine:
         p, client = engine._p, engine._client
         engine.advance(amigobot.THESIS_LEFT_MPS, amigobot.THESIS_RIGHT_MPS, 1.0)
         begin = perf_counter()
