@@ -15,7 +15,7 @@ from sim.firing import Firing
 from sonarmap import Cause, SonarRing
 from worlds import World
 
-__all__ = ["SAME_POINT_M", "Ears", "EarsTogether", "Echoes", "Sonar", "cause_of"]
+__all__ = ["SAME_POINT_M", "Ears", "EarsTogether", "Echoes", "Sonar", "cause_of", "measured"]
 
 SAME_POINT_M = 0.06
 """Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
@@ -190,3 +190,36 @@ def cause_of(
         else:
             cause[i] = _OFF_AXIS
     return cause
+
+
+@njit(cache=True)
+def measured(
+    range_m: NDArray[np.float64],
+    error_m: NDArray[np.float64],
+    quantum_m: float,
+    range_min_m: float,
+    range_max_m: float,
+) -> NDArray[np.float64]:
+    """Return readings: ranges with their errors, in whole steps, -inf if too close.
+
+    Parameters
+    ----------
+    range_m : ndarray
+        Range of the echo before noise, metres; +inf for none.
+    error_m : ndarray
+        What noise adds.
+    quantum_m : float
+        Readings are whole multiples of it; 0 for none.
+    range_min_m, range_max_m : float
+        Between which the sonar reads.
+    """
+    reading = range_m + error_m
+    for i in range(reading.size):
+        if quantum_m > 0:
+            reading[i] = np.rint(reading[i] / quantum_m) * quantum_m
+        # Noise alone must not turn an echo at the very end of the range into silence.
+        if not math.isinf(range_m[i]):
+            reading[i] = min(reading[i], range_max_m)
+        if reading[i] < range_min_m:
+            reading[i] = -math.inf
+    return reading
