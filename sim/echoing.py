@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim import sound_tables as t
-from sim.levels import beam_db, best_db, gain_db, way_db
+from sim.levels import beam_db, best_db, gain_db, loudest_db, way_db
 from sim.survey import OFF_SURFACE_M, are_square, bearing_to, distance_to
 
 __all__ = ["Found", "confirmed", "find_sounds"]
@@ -62,9 +62,7 @@ def find_sounds(survey, sent_s, alone, surfaces, rules, acoustics):
         half_m, foot = _foot(faces[p])
         _add_mirror(found, survey, p, half_m, foot, surfaces, rules, acoustics)
         _add_scatter(found, survey, p, half_m, foot, surfaces, rules, acoustics)
-        own = links[p, t.TO_SONAR]
-        for sonar in range(own if alone else 0, own + 1 if alone else survey.axis_rad.size):
-            _add_elsewhere(found, survey, p, half_m, sonar, surfaces, rules, acoustics)
+        _add_elsewhere(found, survey, p, half_m, alone, surfaces, rules, acoustics)
     for corner in survey.corners:
         p = int(corner[t.CORNER_FACE])
         level = surfaces[links[int(corner[t.CORNER_OTHER]), t.TO_SURFACE], t.SURFACE_MIRROR]
@@ -211,21 +209,27 @@ def _add_scatter(found, survey, p, half_m, foot, surfaces, rules, acoustics):
     """Add what a flat face scatters: the first moment at which some place is loud enough."""
     face, like = survey.faces[p], surfaces[survey.links[p, t.TO_SURFACE]]
     loss_db = 2 * face[t.FACE_LOSS] + like[t.SURFACE_MIRROR] + like[t.SURFACE_FLOOR]
-    if best_db(acoustics, 2 * half_m) + loss_db <= 0:
-        return
     low, high = face[t.FACE_LOW], face[t.FACE_HIGH]
+    nearest = min(max(foot, low), high)
+    # A bound that is quickly told spares most faces and places the rest.
+    most_db = _best_between_db(face, half_m, foot, nearest, rules, acoustics) + loss_db
+    if most_db + 2 * loudest_db(acoustics, low, high) <= 0:
+        return
     pulse_m = acoustics.pulse_s * acoustics.speed_mps / 2
     first_m, place, loudness_db = math.inf, 0.0, 0.0
     steps = max(1, math.ceil((high - low) / _SCATTER_STEP_RAD))
     for k in range(-1, steps + 1):
-        theta = min(max(foot, low), high) if k < 0 else low + (high - low) * k / steps
+        theta = nearest if k < 0 else low + (high - low) * k / steps
+        sent_db = beam_db(acoustics, theta)
+        if most_db + 2 * sent_db <= 0:
+            continue
         cos = math.cos(theta - foot)
         if cos < 1e-3:
             continue
         r = half_m / cos
         if r > rules.reach_m or r >= first_m:
             continue
-        level_db = way_db(acoustics, 2 * r) + 2 * beam_db(acoustics, theta) + loss_db
+        level_db = way_db(acoustics, 2 * r) + 2 * sent_db + loss_db
         level_db += 20 * math.log10(cos)
         over_db = level_db + gain_db(acoustics, 2 * r / acoustics.speed_mps)
         if over_db > 0:
@@ -239,28 +243,61 @@ def _add_scatter(found, survey, p, half_m, foot, surfaces, rules, acoustics):
 
 
 @njit(cache=True)
-def _add_elsewhere(found, survey, p, half_m, sonar, surfaces, rules, acoustics):
-    """Add the way over a flat face that ends elsewhere than it began.
+def _best_between_db(face, half_m, foot, nearest, rules, acoustics):
+    """Return a level that no echo from within the limits of a flat face exceeds."""
+    near_m = half_m / max(math.cos(nearest - foot), 1e-3)
+    least_cos = min(math.cos(face[t.FACE_LOW] - foot), math.cos(face[t.FACE_HIGH] - foot))
+    far_m = min(half_m / max(least_cos, 1e-3), rules.reach_m)
+    if near_m > rules.reach_m:
+        return -math.inf
+    # In dry air the gain more than makes up for distance; but it is loudest at an end.
+    return max(best_db(acoustics, 2 * near_m), best_db(acoustics, 2 * far_m))
 
-    The listener sees the image of the transducer's image.
-    """
-    face, links = survey.faces[p], survey.links[p]
+
+@njit(cache=True)
+def _add_elsewhere(found, survey, p, half_m, alone, surfaces, rules, acoustics):
+    """Add the ways over a flat face that end elsewhere than they began."""
+    face, own = survey.faces[p], survey.links[p, t.TO_SONAR]
     nx, ny = face[t.FACE_NX], face[t.FACE_NY]
     # Of two faces at a right angle the corner is told already.
-    is_told = links[t.TO_MIRRORS] == 0 or are_square(face[t.FACE_MX], face[t.FACE_MY], nx, ny)
-    if sonar == links[t.TO_SONAR] and is_told:
+    is_told = survey.links[p, t.TO_MIRRORS] == 0 or are_square(
+        face[t.FACE_MX], face[t.FACE_MY], nx, ny
+    )
+    if half_m <= 0 or (alone and is_told):
         return
-    x, y = survey.sensor_xy_m[sonar]
-    height_m = (x - face[t.FACE_X]) * nx + (y - face[t.FACE_Y]) * ny
-    if height_m <= 0 or half_m <= 0:
-        return
-    # From the listener to the image, by way of the point where the face turns the sound.
-    ox, oy = face[t.FACE_IX] - 2 * half_m * nx - x, face[t.FACE_IY] - 2 * half_m * ny - y
+    # The wedge in which the face may turn sound; most ways fail it.
+    middle = (face[t.FACE_LOW] + face[t.FACE_HIGH]) / 2 - face[t.FACE_THETA]
+    middle = face[t.FACE_ALONG] + face[t.FACE_SIGN] * middle
+    wedge_x, wedge_y = math.cos(middle), math.sin(middle)
+    least_cos = math.cos((face[t.FACE_HIGH] - face[t.FACE_LOW]) / 2 + rules.margin_rad) - 1e-9
+    for sonar in range(own if alone else 0, own + 1 if alone else survey.axis_rad.size):
+        if sonar == own and is_told:
+            continue
+        x, y = survey.sensor_xy_m[sonar]
+        height_m = (x - face[t.FACE_X]) * nx + (y - face[t.FACE_Y]) * ny
+        if height_m <= 0:
+            continue
+        # The listener sees the image's image by way of the point where the face turns the sound.
+        ox, oy = face[t.FACE_IX] - 2 * half_m * nx - x, face[t.FACE_IY] - 2 * half_m * ny - y
+        share = height_m / (height_m + half_m)
+        tx, ty = x + share * ox - face[t.FACE_IX], y + share * oy - face[t.FACE_IY]
+        if tx * wedge_x + ty * wedge_y >= least_cos * math.sqrt(tx * tx + ty * ty):
+            _add_way(found, survey, p, sonar, ox, oy, share, surfaces, rules, acoustics)
+
+
+@njit(cache=True)
+def _add_way(found, survey, p, sonar, ox, oy, share, surfaces, rules, acoustics):
+    """Add the way over a face to a sonar that sees its image at an offset.
+
+    The face turns the sound after a share of that offset.
+    """
+    face, links = survey.faces[p], survey.links[p]
     way_m = math.hypot(ox, oy)
     if way_m > 2 * rules.reach_m:
         return
-    share = height_m / (height_m + half_m)
-    theta = bearing_to(face, x + share * ox, y + share * oy)
+    x, y = survey.sensor_xy_m[sonar]
+    qx, qy = x + share * ox, y + share * oy
+    theta = bearing_to(face, qx, qy)
     if not face[t.FACE_LOW] - rules.margin_rad < theta < face[t.FACE_HIGH] + rules.margin_rad:
         return
     arrival = math.atan2(oy, ox) - survey.axis_rad[sonar]
@@ -271,10 +308,11 @@ def _add_elsewhere(found, survey, p, half_m, sonar, surfaces, rules, acoustics):
     if level_db + gain_db(acoustics, latest_s) <= 0:
         return
     if not face[t.FACE_LOW] <= theta <= face[t.FACE_HIGH]:
-        forth_m = distance_to(face, x + share * ox, y + share * oy)
-        _check_way(found, survey, p, theta, forth_m)
-    _check(found, x, y, ox / way_m, oy / way_m, share * way_m)
-    _add(found, survey, p, sonar, way_m, level_db, math.acos(min(1.0, height_m / (share * way_m))))
+        _check_way(found, survey, p, theta, distance_to(face, qx, qy))
+    back_m = share * way_m
+    _check(found, x, y, ox / way_m, oy / way_m, back_m)
+    cos = ((x - qx) * face[t.FACE_NX] + (y - qy) * face[t.FACE_NY]) / back_m
+    _add(found, survey, p, sonar, way_m, level_db, math.acos(min(1.0, cos)))
 
 
 @njit(cache=True)

@@ -14,7 +14,7 @@ from sim.acoustics import cause_of
 from sim.levels import gain_db
 from sonarmap import Cause, LogTruth
 
-__all__ = ["Heard", "hear"]
+__all__ = ["Heard", "hear", "noise_m"]
 
 _CROSSTALK, _NO_SOURCE = int(Cause.CROSSTALK), int(LogTruth.NO_SOURCE)
 
@@ -107,3 +107,26 @@ def _first_crossing(firing, sounds, acoustics):
         if crossing_s <= acoustics.window_s and crossing_s < time_s:
             heard, time_s, over_db = k, crossing_s, over
     return heard, time_s, over_db
+
+
+@njit(cache=True)
+def noise_m(heard, draws, surfaces, noise_std_m, weak_noise_std_m):
+    """Return the errors of ranges: of the receiver, of weak echoes, of rough surfaces.
+
+    Parameters
+    ----------
+    heard : Heard
+    draws : ndarray
+        Of the normal distribution, one a firing.
+    surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
+        See `sim.survey.advance`.
+    noise_std_m, weak_noise_std_m : float
+        See `sim.receiver.Receiver`.
+    """
+    error_m = np.empty(draws.size)
+    for r in range(draws.size):
+        level_db = 0.0 if math.isnan(heard.level_db[r]) else heard.level_db[r]
+        jitter_m = weak_noise_std_m * 10 ** (-level_db / 20)
+        roughness_m = surfaces[heard.surface[r], t.SURFACE_ROUGHNESS]
+        error_m[r] = draws[r] * math.sqrt(noise_std_m**2 + jitter_m**2 + roughness_m**2)
+    return error_m

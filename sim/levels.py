@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["Acoustics", "beam_db", "best_db", "gain_db", "way_db", "wrapped"]
+__all__ = ["Acoustics", "beam_db", "best_db", "gain_db", "loudest_db", "way_db", "wrapped"]
 
 
 class Acoustics(NamedTuple):
@@ -38,6 +38,8 @@ class Acoustics(NamedTuple):
         How long a sound is remembered.
     beam_db : ndarray
         One-way level at even steps from 0 to pi.
+    beyond_db : ndarray
+        The highest level at these angles or farther off the axis.
     """
 
     speed_mps: float
@@ -54,6 +56,7 @@ class Acoustics(NamedTuple):
     head_start_s: float
     life_s: float
     beam_db: NDArray[np.float64]
+    beyond_db: NDArray[np.float64]
 
 
 @njit(cache=True)
@@ -69,6 +72,14 @@ def beam_db(acoustics, angle):
     place = abs(wrapped(angle)) / math.pi * (table.size - 1)
     low = min(int(place), table.size - 2)
     return table[low] + (place - low) * (table[low + 1] - table[low])
+
+
+@njit(cache=True)
+def loudest_db(acoustics, low, high):
+    """Return a level that the beam does not exceed between two angles off the axis."""
+    table = acoustics.beyond_db
+    nearest = 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
+    return table[min(int(nearest / math.pi * (table.size - 1)), table.size - 1)]
 
 
 @njit(cache=True)

@@ -164,6 +164,7 @@ class PhysicalSonar:
         """What the compiled steps need of beam, air and receiver."""
         nominal, tone_hz = Air(), self.piston.frequency_hz
         slots = (self.firing.slots(scan, len(self.ring)) for scan in (0, 1))
+        beam_db = self.piston.level_db(np.linspace(0, math.pi, 9001))
         return Acoustics(
             speed_mps=self.air.speed_mps,
             absorption_db_per_m=self.air.absorption_db_per_m(tone_hz),
@@ -178,7 +179,8 @@ class PhysicalSonar:
             window_s=float(self.window_s),
             head_start_s=max(scan[-1].offset_s for scan in slots) if self.overlapping else 0.0,
             life_s=float(self.sound_life_s),
-            beam_db=self.piston.level_db(np.linspace(0, math.pi, 9001)),
+            beam_db=beam_db,
+            beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
         )
 
     @cached_property

@@ -11,7 +11,7 @@ from sim import sound_tables as t
 from sim.acoustics import Echoes, measured
 from sim.echoing import confirmed, find_sounds
 from sim.engine import RayCaster
-from sim.hearing import hear
+from sim.hearing import hear, noise_m
 from sim.levels import way_db
 from sim.survey import Survey, advance, begin
 from sonarmap import LogTruth
@@ -64,10 +64,10 @@ class PhysicalEars:
         # Later firings may still hear what was sent a moment ago.
         heard, self._sounds = hear(fired, self._sounds, sonar.acoustics)
         receiver, ring = sonar.receiver, sonar.ring
-        jitter_m = receiver.weak_noise_std_m * 10 ** (-np.nan_to_num(heard.level_db) / 20)
-        roughness_m = self._surfaces[heard.surface, t.SURFACE_ROUGHNESS]
-        std_m = np.sqrt(receiver.noise_std_m**2 + jitter_m**2 + roughness_m**2)
-        error_m = self._rng.normal(0.0, 1.0, len(fired)) * std_m
+        draws = self._rng.normal(0.0, 1.0, len(fired))
+        error_m = noise_m(
+            heard, draws, self._surfaces, receiver.noise_std_m, receiver.weak_noise_std_m
+        )
         return Echoes(
             range_m=measured(
                 heard.range_m, error_m, receiver.quantum_m, ring.range_min_m, ring.range_max_m
