@@ -293,7 +293,8 @@ def _add_way(found, survey, p, sonar, ox, oy, share, surfaces, rules, acoustics)
     """
     face, links = survey.faces[p], survey.links[p]
     way_m = math.hypot(ox, oy)
-    if way_m > 2 * rules.reach_m:
+    is_own = sonar == links[t.TO_SONAR]
+    if way_m > 2 * rules.reach_m or (way_m < rules.others_m and not is_own):
         return
     x, y = survey.sensor_xy_m[sonar]
     qx, qy = x + share * ox, y + share * oy

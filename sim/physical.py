@@ -132,6 +132,8 @@ class PhysicalSonar:
             max_bounces=self.max_bounces,
             # The foot of a face may lie between its last ray and the next one.
             margin_rad=6 * self.ray_step_rad,
+            # Nobody else listens before the next firing, unless windows overlap.
+            others_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
             cone_rad=self.ring.half_angle_rad,
             range_max_m=self.ring.range_max_m,
         )
@@ -186,12 +188,22 @@ class PhysicalSonar:
     @cached_property
     def overlapping(self) -> bool:
         """Whether a sonar listens while another one's sound is fresh."""
-        for scan in (0, 1):
-            slots = self.firing.slots(scan, len(self.ring))
-            gaps_s = np.diff([slot.offset_s for slot in slots])
-            if len(slots[0].sonars) > 1 or (gaps_s < self.window_s).any():
-                return True
-        return False
+        together = any(
+            len(slot.sonars) > 1
+            for scan in (0, 1)
+            for slot in self.firing.slots(scan, len(self.ring))
+        )
+        return together or self._least_gap_s < self.window_s
+
+    @cached_property
+    def _least_gap_s(self) -> float:
+        """Shortest time between two firings, seconds."""
+        starts_s = [
+            scan * self.firing.period_s + slot.offset_s
+            for scan in (0, 1, 2)
+            for slot in self.firing.slots(scan, len(self.ring))
+        ]
+        return float(np.diff(starts_s).min())
 
     @cached_property
     def bearing_rad(self) -> NDArray[np.float64]:

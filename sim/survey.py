@@ -50,6 +50,8 @@ class Rules(NamedTuple):
         Over how many mirrors.
     margin_rad : float
         So far beyond the rays that meet a face its foot may lie.
+    others_m : float
+        The least way on which a sonar that does not fire now may hear a sound.
     cone_rad, range_max_m : float
         Nominal half-angle and range, for the truths only.
     """
@@ -57,6 +59,7 @@ class Rules(NamedTuple):
     reach_m: float
     max_bounces: int
     margin_rad: float
+    others_m: float
     cone_rad: float
     range_max_m: float
 
@@ -413,10 +416,10 @@ def _mirrored(leg, face, surfaces, rules, acoustics):
             continue
         loss_db = ray[t.RAY_LOSS] + like[t.SURFACE_MIRROR]
         one_way_db = beam_db(acoustics, ray[t.RAY_THETA])
-        left_db = best_db(acoustics, 2 * way_m) + one_way_db + loss_db
-        # There and back each mirror is passed twice.
-        comes_back = left_db + one_way_db + loss_db > 0
-        if not comes_back and (left_db <= 0 or leg.names[i, t.OF_NUMBER] % _THINNED):
+        # There and back each mirror is passed twice, on the way to another sonar once.
+        back_db = best_db(acoustics, 2 * way_m) + 2 * (one_way_db + loss_db)
+        there_db = best_db(acoustics, max(2 * way_m, rules.others_m)) + one_way_db + loss_db
+        if back_db <= 0 and (there_db <= 0 or leg.names[i, t.OF_NUMBER] % _THINNED):
             continue
         names[count] = leg.names[i]
         names[count, t.OF_MIRROR] = leg.known + face[i]
