@@ -124,8 +124,13 @@ def _check(found, x, y, dx, dy, length_m):
 
 
 @njit(cache=True)
-def _check_way(found, survey, p, theta, way_m):
-    """Ask for the rays that go out at a bearing, over the mirrors of a face, so far in all."""
+def _check_unseen(found, survey, p, theta, way_m):
+    """Ask for the rays that go out at a bearing, over the mirrors of a face, so far in all.
+
+    Between the limits of the face its neighbouring rays have seen the way already.
+    """
+    if survey.faces[p, t.FACE_LOW] <= theta <= survey.faces[p, t.FACE_HIGH]:
+        return
     mirrors = survey.links[p, t.TO_MIRRORS]
     over = np.empty(mirrors, np.int64)
     for k in range(mirrors - 1, -1, -1):
@@ -184,7 +189,7 @@ def _add_pillar(found, survey, p, surfaces, rules, acoustics):
     level_db = _echo_db(survey, p, half_m, theta, surfaces, acoustics)
     level_db += max(share_db, like[t.SURFACE_FLOOR])
     if _is_heard(acoustics, rules, half_m, level_db):
-        _check_way(found, survey, p, theta, half_m)
+        _check_unseen(found, survey, p, theta, half_m)
         _add(found, survey, p, survey.links[p, t.TO_SONAR], 2 * half_m, level_db, 0.0)
 
 
@@ -199,8 +204,7 @@ def _add_mirror(found, survey, p, half_m, foot, surfaces, rules, acoustics):
         10 ** (plane_db / 10) + 10 ** ((plane_db + like[t.SURFACE_FLOOR]) / 10)
     )
     if _is_heard(acoustics, rules, half_m, level_db):
-        if not face[t.FACE_LOW] <= foot <= face[t.FACE_HIGH]:
-            _check_way(found, survey, p, foot, half_m)
+        _check_unseen(found, survey, p, foot, half_m)
         _add(found, survey, p, survey.links[p, t.TO_SONAR], 2 * half_m, level_db, 0.0)
 
 
@@ -308,8 +312,7 @@ def _add_way(found, survey, p, sonar, ox, oy, share, surfaces, rules, acoustics)
     latest_s = min(way_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
     if level_db + gain_db(acoustics, latest_s) <= 0:
         return
-    if not face[t.FACE_LOW] <= theta <= face[t.FACE_HIGH]:
-        _check_way(found, survey, p, theta, distance_to(face, qx, qy))
+    _check_unseen(found, survey, p, theta, distance_to(face, qx, qy))
     back_m = share * way_m
     _check(found, x, y, ox / way_m, oy / way_m, back_m)
     cos = ((x - qx) * face[t.FACE_NX] + (y - qy) * face[t.FACE_NY]) / back_m
@@ -326,7 +329,10 @@ def _add_edge(found, survey, p, x, y, surfaces, rules, acoustics):
 
 @njit(cache=True)
 def _add_point(found, survey, p, x, y, share_db, surfaces, rules, acoustics):
-    """Add the echo of a corner or an edge, of so much level against a mirror."""
+    """Add the echo of a corner or an edge, of so much level against a mirror.
+
+    It lies between two neighbouring rays, so its way needs no check.
+    """
     face = survey.faces[p]
     half_m, theta = distance_to(face, x, y), bearing_to(face, x, y)
     level_db = _echo_db(survey, p, half_m, theta, surfaces, acoustics) + share_db
@@ -334,5 +340,4 @@ def _add_point(found, survey, p, x, y, share_db, surfaces, rules, acoustics):
         return
     cos = (face[t.FACE_IX] - x) * face[t.FACE_NX] + (face[t.FACE_IY] - y) * face[t.FACE_NY]
     incidence_rad = math.acos(min(1.0, max(0.0, cos / max(half_m, 1e-9))))
-    _check_way(found, survey, p, theta, half_m)
     _add(found, survey, p, survey.links[p, t.TO_SONAR], 2 * half_m, level_db, incidence_rad)
