@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from sim import sound_tables as t
 from sim.acoustics import cause_of
+from sim.following import measured
 from sim.levels import gain_db
 from sonarmap import Cause, LogTruth
 
-__all__ = ["Heard", "hear", "noise_m"]
+__all__ = ["Heard", "hear", "readings"]
 
 _CROSSTALK, _NO_SOURCE = int(Cause.CROSSTALK), int(LogTruth.NO_SOURCE)
 
@@ -110,8 +111,8 @@ def _first_crossing(firing, sounds, acoustics):
 
 
 @njit(cache=True)
-def noise_m(heard, draws, surfaces, noise_std_m, weak_noise_std_m):
-    """Return the errors of ranges: of the receiver, of weak echoes, of rough surfaces.
+def readings(heard, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
+    """Return what the sonars read of what they heard.
 
     Parameters
     ----------
@@ -120,13 +121,24 @@ def noise_m(heard, draws, surfaces, noise_std_m, weak_noise_std_m):
         Of the normal distribution, one a firing.
     surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
         See `sim.survey.advance`.
-    noise_std_m, weak_noise_std_m : float
+    noise_std_m, weak_noise_std_m, quantum_m : float
         See `sim.receiver.Receiver`.
+    near_m, far_m : float
+        Nearest and farthest range of the ring.
     """
-    error_m = np.empty(draws.size)
+    reading_m = np.empty(draws.size)
     for r in range(draws.size):
-        level_db = 0.0 if math.isnan(heard.level_db[r]) else heard.level_db[r]
-        jitter_m = weak_noise_std_m * 10 ** (-level_db / 20)
+        jitter_m = weak_noise_std_m * 10 ** (-heard.level_db[r] / 20)
         roughness_m = surfaces[heard.surface[r], t.SURFACE_ROUGHNESS]
-        error_m[r] = draws[r] * math.sqrt(noise_std_m**2 + jitter_m**2 + roughness_m**2)
-    return error_m
+        reading_m[r] = measured(
+            heard.range_m[r],
+            roughness_m,
+            draws[r],
+            math.hypot(noise_std_m, jitter_m),
+            1.0,
+            quantum_m,
+            near_m,
+            far_m,
+            math.inf,
+        )
+    return reading_m

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim import sound_tables as t
-from sim.acoustics import Echoes, measured
+from sim.acoustics import Echoes
 from sim.echoing import confirmed, find_sounds
 from sim.engine import RayCaster
-from sim.hearing import hear, noise_m
+from sim.hearing import hear, readings
 from sim.levels import way_db
 from sim.survey import Survey, advance, begin
 from sonarmap import LogTruth
@@ -65,13 +65,18 @@ class PhysicalEars:
         heard, self._sounds = hear(fired, self._sounds, sonar.acoustics)
         receiver, ring = sonar.receiver, sonar.ring
         draws = self._rng.normal(0.0, 1.0, len(fired))
-        error_m = noise_m(
-            heard, draws, self._surfaces, receiver.noise_std_m, receiver.weak_noise_std_m
+        reading_m = readings(
+            heard,
+            draws,
+            self._surfaces,
+            receiver.noise_std_m,
+            receiver.weak_noise_std_m,
+            receiver.quantum_m,
+            ring.range_min_m,
+            ring.range_max_m,
         )
         return Echoes(
-            range_m=measured(
-                heard.range_m, error_m, receiver.quantum_m, ring.range_min_m, ring.range_max_m
-            ),
+            range_m=reading_m,
             axis_range_m=fired[:, t.FIRED_AXIS],
             cone_range_m=fired[:, t.FIRED_CONE],
             cause=heard.cause,
