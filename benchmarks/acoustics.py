@@ -57,7 +57,7 @@ def listen(world: worlds.World, sonar: sim.Sonar, poses: list[worlds.Pose]) -> f
     """Return the time of a scan at each of the places, the best of ten a place."""
     ring = sonar.ring
     total_s = 0.0
-    with Bullet(world) as engine:
+    with Bullet(world, world.start) as engine:
         ears = sonar.ears(engine, world, np.random.default_rng(0))
         for stop, pose in enumerate(poses):
             cos, sin = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
