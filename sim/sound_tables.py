@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-# Rays: begin of the leg, direction, how far it goes, bearing off the axis
-# at departure, image of the transducer, way so far, sign of the bearings after mirroring, sum of
-# one-way mirror losses, last mirror's normal.
+# Rays: begin of the leg, direction, how far it goes, bearing off the axis at departure, image of
+# the transducer, way so far, sign of the bearings after mirroring, sum of one-way mirror losses,
+# last mirror's normal.
 RAY_X, RAY_Y, RAY_DX, RAY_DY, RAY_REACH, RAY_THETA, RAY_IX, RAY_IY = range(8)
 RAY_WAY, RAY_SIGN, RAY_LOSS, RAY_MX, RAY_MY, RAY_COLUMNS = range(8, 14)
 # Whose fan a ray belongs to, the face that mirrored it last or -1, its number in the fan.
@@ -29,8 +29,7 @@ SOUND_SENT, SOUND_SOURCE, SOUND_LISTENER, SOUND_WAY, SOUND_LEVEL = range(5)
 SOUND_SURFACE, SOUND_INCIDENCE, SOUND_BOUNCES, SOUND_COLUMNS = range(5, 9)
 # Checks: a ray (begin, direction, reach as in `sim.survey`), the length at which it must meet
 # something, and the sound whose way it is a part of.
-CHECK_X, CHECK_Y, CHECK_DX, CHECK_DY, CHECK_REACH, CHECK_LENGTH, CHECK_SOUND, CHECK_COLUMNS = range(
-    8
-)
+CHECK_X, CHECK_Y, CHECK_DX, CHECK_DY, CHECK_REACH = range(5)
+CHECK_LENGTH, CHECK_SOUND, CHECK_COLUMNS = range(5, 8)
 # Firings: when, which sonar, its true ranges on the axis and in the cone.
 FIRED_TIME, FIRED_SONAR, FIRED_AXIS, FIRED_CONE, FIRED_COLUMNS = range(5)
