@@ -24,9 +24,7 @@ def main() -> None:
     physical = preset("physical")
     alike = physical.replace(ring=cone.ring, firing=AllAtOnce(cone.scan_period_s), max_bounces=1)
     poses = driven(world)
-    listening = np.array(
-        [[listen(world, sonar, poses) for sonar in (cone, alike)] for _ in range(5)]
-    )
+    listening = np.array([listen(world, (cone, alike), poses) for _ in range(5)])
     ratios = listening[:, 1] / listening[:, 0]
     print(
         f"physical / thesis, listening only: {np.median(ratios):.2f}, {ratios.min():.2f} to "
@@ -36,7 +34,7 @@ def main() -> None:
     ratios = whole[:, 1] / whole[:, 0]
     print(
         f"physical / thesis, a whole scan with its driving: {np.median(ratios):.2f}, "
-        f"{ratios.min():.2f} to {ratios.max():.2f} in 5 runs"
+        f"{ratios.min():.2f} to {ratios.max():.2f} in 5 runs (target at most 2.50)"
     )
     drive_s = SCANS * physical.firing.period_s
     wall_s = [drive(world, physical) for _ in range(3)]
@@ -53,27 +51,27 @@ def driven(world: worlds.World) -> list[worlds.Pose]:
     ]
 
 
-def listen(world: worlds.World, sonar: sim.Sonar, poses: list[worlds.Pose]) -> float:
-    """Return the time of a scan at each of the places, the best of three a place."""
-    ring = sonar.ring
-    total_s = 0.0
-    with Bullet(world) as engine:
-        ears = sonar.ears(engine, world, np.random.default_rng(0))
+def listen(
+    world: worlds.World, sonars: tuple[sim.Sonar, ...], poses: list[worlds.Pose]
+) -> list[float]:
+    """Return each sonar's time of a scan at all of the places, the best of twenty a place.
+
+    The sonars take turns, so that what else the machine does meets them alike.
+    """
+    ring = sonars[0].ring
+    best_s = np.full((len(poses), len(sonars)), math.inf)
+    with Bullet(world, world.start) as engine:
+        ears = [sonar.ears(engine, world, np.random.default_rng(0)) for sonar in sonars]
         for stop, pose in enumerate(poses):
-            cos, sin = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
-            places = np.column_stack(
-                [pose.x_m + cos * ring.x_m - sin * ring.y_m,
-                 pose.y_m + sin * ring.x_m + cos * ring.y_m]
-            )  # fmt: skip
-            best_s = math.inf
-            for again in range(3):
-                begin = perf_counter()
-                ears.fire(3.0 * stop + again, tuple(range(8)), places,
-                          pose.heading_rad + ring.heading_rad)  # fmt: skip
-                ears.hear()
-                best_s = min(best_s, perf_counter() - begin)
-            total_s += best_s
-    return total_s
+            places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
+            axes = pose.heading_rad + ring.heading_rad
+            for again in range(20):
+                for k, pair in enumerate(ears):
+                    begin = perf_counter()
+                    pair.fire(20.0 * stop + again, tuple(range(8)), places, axes)
+                    pair.hear()
+                    best_s[stop, k] = min(best_s[stop, k], perf_counter() - begin)
+    return best_s.sum(axis=0).tolist()
 
 
 def drive(world: worlds.World, sonar: sim.Sonar) -> float:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from sim.engine import RayCaster
-from sim.firing import Firing
+from sim.firing import AllAtOnce, Firing
 from sonarmap import Cause, SonarRing
+from sonarmap.errors import positive
 from worlds import World
 
-__all__ = ["SAME_POINT_M", "Ears", "EarsTogether", "Echoes", "Sonar", "cause_of"]
+__all__ = ["SAME_POINT_M", "Ears", "Echoes", "Sonar", "SonarTogether", "cause_of"]
 
 SAME_POINT_M = 0.06
 """Ranges that differ by less denote the same point: Rashid 2006, p. 55 (TDTh, between the axis
@@ -130,7 +132,53 @@ class Sonar(Protocol):
         """
 
 
-class EarsTogether:
+@dataclass(frozen=True)
+class SonarTogether(ABC):
+    """What sonars have in common that fire all together and remember nothing.
+
+    Parameters
+    ----------
+    name : str
+        Name of the preset.
+    ring : SonarRing
+        Places, cone width, nearest and farthest range.
+    scan_period_s : float
+        All sonars are read at once, this often, seconds, > 0; a multiple of 5 ms.
+    """
+
+    name: str
+    ring: SonarRing
+    scan_period_s: float
+
+    def __post_init__(self) -> None:
+        positive("scan_period_s", self.scan_period_s)
+
+    def replace(self, **changes: object) -> Self:
+        """Return this sonar with some fields replaced."""
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    @property
+    def firing(self) -> AllAtOnce:
+        """All sonars at once."""
+        return AllAtOnce(self.scan_period_s)
+
+    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
+        """Return the sonars of one drive, see `Sonar`."""
+        return _EarsTogether(self, rays, world, rng)
+
+    @abstractmethod
+    def listen(
+        self,
+        rays: RayCaster,
+        world: World,
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> Echoes:
+        """Fire k transducers and return what they hear, see `Sonar`."""
+
+
+class _EarsTogether:
     """The `Ears` of sonars that fire all together and remember nothing."""
 
     def __init__(

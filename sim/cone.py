@@ -8,17 +8,16 @@ its critical angle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Ears, EarsTogether, Echoes, cause_of
+from sim.acoustics import Echoes, SonarTogether, cause_of
 from sim.engine import RayCaster
-from sim.firing import AllAtOnce
 from sim.following import measured, meet_surfaces, open_fans
-from sonarmap import InputError, LogTruth, SonarRing
+from sonarmap import InputError, LogTruth
 from sonarmap.errors import non_negative, positive
 from worlds import World
 
@@ -26,17 +25,13 @@ __all__ = ["ConeSonar"]
 
 
 @dataclass(frozen=True)
-class ConeSonar:
+class ConeSonar(SonarTogether):
     """A ring whose sonars hear the nearest surface in a fan of rays that sends sound back.
 
     Parameters
     ----------
-    name : str
-        Name of the preset.
-    ring : SonarRing
-        Places, cone width, nearest and farthest range.
-    scan_period_s : float
-        All sonars are read at once, this often; a multiple of 5 ms.
+    name, ring, scan_period_s
+        See `sim.acoustics.SonarTogether`.
     rays : int
         Rays of a fan, odd (one lies on the axis), >= 3. 31 over 30 degrees find the foot of a
         perpendicular to 0.04 mm at 1 m.
@@ -54,9 +49,6 @@ class ConeSonar:
         over that in the air (`sim.Air`).
     """
 
-    name: str
-    ring: SonarRing
-    scan_period_s: float
     rays: int = 31
     max_bounces: int = 2
     # A real AmigoBot that stood still 2 m from a target: 1000 readings, 1.0 mm.
@@ -68,7 +60,7 @@ class ConeSonar:
     range_scale: float = 1.0
 
     def __post_init__(self) -> None:
-        positive("scan_period_s", self.scan_period_s)
+        super().__post_init__()
         non_negative("noise_std_m", self.noise_std_m)
         non_negative("quantum_m", self.quantum_m)
         non_negative("threshold", self.threshold)
@@ -77,19 +69,6 @@ class ConeSonar:
             raise InputError(f"rays must be odd and >= 3, got {self.rays!r}")
         if self.max_bounces < 0:
             raise InputError(f"max_bounces must be >= 0, got {self.max_bounces!r}")
-
-    def replace(self, **changes: object) -> ConeSonar:
-        """Return this sonar with some fields replaced."""
-        return replace(self, **changes)  # type: ignore[arg-type]
-
-    @property
-    def firing(self) -> AllAtOnce:
-        """All sonars at once."""
-        return AllAtOnce(self.scan_period_s)
-
-    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
-        """Return the sonars of one drive, see `sim.acoustics.Sonar`."""
-        return EarsTogether(self, rays, world, rng)
 
     def listen(
         self,

@@ -19,15 +19,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import echoing as e
 from sim.acoustics import Ears, Echoes
 from sim.air import Air
 from sim.beacon import Beacon
 from sim.engine import RayCaster
 from sim.firing import Firing, InTurn
+from sim.levels import Acoustics, best_db
 from sim.physical_ears import PhysicalEars
 from sim.piston import Piston
 from sim.receiver import Receiver
+from sim.survey import Rules
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import finite, positive
 from worlds import World
@@ -124,19 +125,28 @@ class PhysicalSonar:
         return min(longest, self.firing.listening_s)
 
     @cached_property
-    def reach_m(self) -> float:
-        """Half of the longest way on which any sound is still heard, metres."""
-        return float(self.reaches_m[-1])
+    def rules(self) -> Rules:
+        """What the compiled steps need to follow faces."""
+        return Rules(
+            reach_m=float(self._reaches_m[-1]),
+            max_bounces=self.max_bounces,
+            # The foot of a face may lie between its last ray and the next one.
+            margin_rad=6 * self.ray_step_rad,
+            # Nobody else listens before the next firing, unless windows overlap.
+            others_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
+            cone_rad=self.ring.half_angle_rad,
+            range_max_m=self.ring.range_max_m,
+        )
 
     @cached_property
-    def reaches_m(self) -> NDArray[np.float64]:
+    def _reaches_m(self) -> NDArray[np.float64]:
         """How far sound reaches that is sent so many whole decibels below the axis, rising.
 
         Element 0 stands for -100 dB, element 100 for the axis.
         """
         half_m = np.linspace(0.02, self.air.speed_mps * self._heard_for_s / 2, 500)
-        best_db = np.array([e.best_db(self.air_table, 2 * half) for half in half_m])
-        loud = best_db[:, None] > np.arange(100, -1, -1)
+        heard_db = np.array([best_db(self.acoustics, 2 * half) for half in half_m])
+        loud = heard_db[:, None] > np.arange(100, -1, -1)
         return np.where(loud.any(axis=0), half_m[len(half_m) - 1 - loud[::-1].argmax(axis=0)], 0.02)
 
     @cached_property
@@ -152,38 +162,48 @@ class PhysicalSonar:
         return float(min(last_s + self.window_s, self.sound_life_s))
 
     @cached_property
-    def air_table(self) -> NDArray[np.float64]:
-        """What the compiled steps need of air and receiver, see `sim.echoing.gain_db`."""
-        nominal, tone = Air(), self.piston.frequency_hz
+    def acoustics(self) -> Acoustics:
+        """What the compiled steps need of beam, air and receiver."""
+        nominal, tone_hz = Air(), self.piston.frequency_hz
         slots = (self.firing.slots(scan, len(self.ring)) for scan in (0, 1))
-        ahead_s = max(scan[-1].offset_s for scan in slots) if self.overlapping else 0.0
-        return np.array(
-            [
-                self.air.speed_mps,
-                self.air.absorption_db_per_m(tone),
-                self.receiver.dynamic_range_db,
-                self.receiver.gain_share,
-                nominal.speed_mps,
-                nominal.absorption_db_per_m(tone),
-                self.window_s,
-                ahead_s,
-            ]
+        beam_db = self.piston.level_db(np.linspace(0, math.pi, 9001))
+        return Acoustics(
+            speed_mps=self.air.speed_mps,
+            absorption_db_per_m=self.air.absorption_db_per_m(tone_hz),
+            nominal_speed_mps=nominal.speed_mps,
+            nominal_absorption_db_per_m=nominal.absorption_db_per_m(tone_hz),
+            assumed_speed_mps=self.assumed_air.speed_mps,
+            dynamic_range_db=float(self.receiver.dynamic_range_db),
+            gain_share=float(self.receiver.gain_share),
+            pulse_s=float(self.receiver.pulse_s),
+            blanking_s=float(self.receiver.blanking_s),
+            edge_db=float(self.edge_db),
+            window_s=float(self.window_s),
+            head_start_s=max(scan[-1].offset_s for scan in slots) if self.overlapping else 0.0,
+            life_s=float(self.sound_life_s),
+            beam_db=beam_db,
+            beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
         )
 
     @cached_property
     def overlapping(self) -> bool:
         """Whether a sonar listens while another one's sound is fresh."""
-        for scan in (0, 1):
-            slots = self.firing.slots(scan, len(self.ring))
-            gaps_s = np.diff([slot.offset_s for slot in slots])
-            if len(slots[0].sonars) > 1 or (gaps_s < self.window_s).any():
-                return True
-        return False
+        together = any(
+            len(slot.sonars) > 1
+            for scan in (0, 1)
+            for slot in self.firing.slots(scan, len(self.ring))
+        )
+        return together or self._least_gap_s < self.window_s
 
     @cached_property
-    def beam_table(self) -> NDArray[np.float64]:
-        """One-way level at even steps of 0.02 degrees from 0 to 180."""
-        return self.piston.level_db(np.linspace(0, math.pi, 9001))
+    def _least_gap_s(self) -> float:
+        """Shortest time between two firings, seconds."""
+        starts_s = [
+            scan * self.firing.period_s + slot.offset_s
+            for scan in (0, 1, 2)
+            for slot in self.firing.slots(scan, len(self.ring))
+        ]
+        return float(np.diff(starts_s).min())
 
     @cached_property
     def bearing_rad(self) -> NDArray[np.float64]:
@@ -194,7 +214,7 @@ class PhysicalSonar:
         """
         half = self.ring.half_angle_rad
         # Near targets are the loudest.
-        loudest_db = e.best_db(self.air_table, 2 * max(self.ring.range_min_m, 0.05))
+        loudest_db = best_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
         reach = min(max(self.piston.reach_rad(loudest_db), half), math.pi / 2)
         lobe = min(self.piston.null_rad, reach)
         stops = sorted({lobe, half, reach})
@@ -207,3 +227,13 @@ class PhysicalSonar:
             side += [last + (stop - last) * k / count for k in range(1, count + 1)]
             last = stop
         return np.array([-bearing for bearing in side[:0:-1]] + side)
+
+    @cached_property
+    def ray_reach_m(self) -> NDArray[np.float64]:
+        """How far the rays of a fan go: as they are heard; in the cone as the truth is asked."""
+        angle = np.abs(self.bearing_rad)
+        table_db = self.acoustics.beam_db
+        sent_db = np.interp(angle, np.linspace(0, math.pi, table_db.size), table_db)
+        far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
+        in_cone = angle <= self.ring.half_angle_rad + 1e-9
+        return np.maximum(far_m, np.where(in_cone, self.ring.range_max_m, 0.1))

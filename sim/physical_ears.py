@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import echoing as e
-from sim.acoustics import Echoes, cause_of
+from sim import sound_tables as t
+from sim.acoustics import Echoes
+from sim.echoing import confirmed, find_sounds
 from sim.engine import RayCaster
-from sim.sound_fans import Fans, no_sounds
-from sonarmap import Cause, LogTruth
+from sim.hearing import hear, readings
+from sim.levels import way_db
+from sim.survey import Survey, advance, begin
+from sonarmap import LogTruth
 from worlds import World
 
 if TYPE_CHECKING:
@@ -34,17 +37,9 @@ class PhysicalEars:
     ) -> None:
         self._sonar, self._rays, self._rng = sonar, rays, rng
         self._alone = alone
-        # One entry more: surface -1, none, is the last.
-        self._roughness_m = np.append(world.roughness_m, 0.0)
-        with np.errstate(divide="ignore"):
-            reflect_db = 20 * np.log10(np.maximum(world.reflectivity, 1e-10))
-        self._surfaces = (
-            np.append(world.radius_m, 0.0),
-            np.append(reflect_db, 0.0),
-            np.append(world.diffuse_floor_db, 0.0),
-        )
-        self._fired: list[tuple[float, int, float, float]] = []
-        self._sounds = no_sounds()
+        self._surfaces = _surface_table(world)
+        self._fired: list[tuple[float, ...]] = []
+        self._sounds = np.empty((0, t.SOUND_COLUMNS))
 
     def fire(
         self,
@@ -54,105 +49,115 @@ class PhysicalEars:
         axis_rad: NDArray[np.float64],
     ) -> None:
         """Let some sonars fire at once, see `sim.acoustics.Ears`."""
-        fans = Fans(
-            self._sonar,
-            self._rays,
-            self._surfaces,
-            sonars,
-            sensor_xy_m,
-            axis_rad,
-            alone=self._alone,
-        )
-        sounds = fans.sounds(time_s)
-        axis_range_m, cone_range_m = fans.truth()
-        outside = self._from_beacons(time_s, np.array(sonars), sensor_xy_m, axis_rad)
-        self._sounds = np.concatenate([self._sounds, sounds, *outside])
+        survey = self._survey(np.array(sonars, np.int64), sensor_xy_m, axis_rad)
+        outside = self._from_beacons(time_s, sonars, sensor_xy_m, axis_rad)
+        self._sounds = np.concatenate([self._sounds, self._echoes(survey, time_s), *outside])
         self._fired += [
-            (time_s, sonar, axis_range_m[k], cone_range_m[k]) for k, sonar in enumerate(sonars)
+            (time_s, sonar, survey.axis_range_m[sonar], survey.cone_range_m[sonar])
+            for sonar in sonars
         ]
 
     def hear(self) -> Echoes:
         """Return what the sonars heard that fired since the last call, in their order."""
-        sonar, receiver, sounds = self._sonar, self._sonar.receiver, self._sounds
-        fired_s, number, axis_range_m, cone_range_m = np.array(self._fired).T
-        number = number.astype(np.int64)
-        heard, time_s, over_db = e.first_crossings(
-            fired_s,
-            number,
-            sonar.window_s,
-            sounds["sent_s"],
-            sounds["source"],
-            sounds["listener"],
-            sounds["way_m"],
-            sounds["level_db"],
-            sonar.sound_life_s,
-            sonar.air_table,
-            receiver.pulse_s,
-            receiver.blanking_s,
-        )
-        silent = heard < 0
-        # What nobody heard takes a line of its own, the last.
-        best = np.append(sounds, no_sounds(1))[heard]
-        cause = cause_of(
-            np.where(silent, np.inf, best["way_m"] / 2), best["bounces"], axis_range_m, cone_range_m
-        )
-        others = (best["source"] != number) | (best["sent_s"] != fired_s)
-        cause[others & ~silent] = Cause.CROSSTALK
-        range_m = sonar.assumed_air.speed_mps * time_s / 2
+        sonar, fired = self._sonar, np.array(self._fired)
         self._fired = []
         # Later firings may still hear what was sent a moment ago.
-        self._sounds = sounds[sounds["sent_s"] + sonar.sound_life_s > fired_s[-1]]
-        return Echoes(
-            range_m=self._measured(range_m, over_db, self._roughness_m[best["surface"]]),
-            axis_range_m=axis_range_m,
-            cone_range_m=cone_range_m,
-            cause=cause,
-            surface=best["surface"],
-            incidence_rad=best["incidence_rad"],
-            bounces=best["bounces"],
-            source=best["source"],
-            level_db=over_db,
+        heard, self._sounds = hear(fired, self._sounds, sonar.acoustics)
+        receiver, ring = sonar.receiver, sonar.ring
+        draws = self._rng.normal(0.0, 1.0, len(fired))
+        reading_m = readings(
+            heard,
+            draws,
+            self._surfaces,
+            receiver.noise_std_m,
+            receiver.weak_noise_std_m,
+            receiver.quantum_m,
+            ring.range_min_m,
+            ring.range_max_m,
         )
+        return Echoes(
+            range_m=reading_m,
+            axis_range_m=fired[:, t.FIRED_AXIS],
+            cone_range_m=fired[:, t.FIRED_CONE],
+            cause=heard.cause,
+            surface=heard.surface,
+            incidence_rad=heard.incidence_rad,
+            bounces=heard.bounces,
+            source=heard.source,
+            level_db=heard.level_db,
+        )
+
+    def _survey(
+        self,
+        sonars: NDArray[np.int64],
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+    ) -> Survey:
+        """Return the faces around some sonars."""
+        sonar = self._sonar
+        survey: Survey = begin(sonars, sensor_xy_m, axis_rad, sonar.bearing_rad, sonar.ray_reach_m)
+        while len(survey.rays):
+            survey = advance(
+                survey, *self._cast(survey.rays), self._surfaces, sonar.rules, sonar.acoustics
+            )
+        return survey
+
+    def _echoes(self, survey: Survey, time_s: float) -> NDArray[np.float64]:
+        """Return the sounds of a firing whose ways are free."""
+        sounds: NDArray[np.float64]
+        sounds, checks = find_sounds(
+            survey, time_s, self._alone, self._surfaces, self._sonar.rules, self._sonar.acoustics
+        )
+        if len(checks):
+            met_m, _, _ = self._cast(checks)
+            sounds = confirmed(sounds, checks, met_m)
+        return sounds
+
+    def _cast(
+        self, rays: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int32]]:
+        """Return (distance, normal, surface) of what rays meet."""
+        hits = self._rays.cast(
+            rays[:, t.RAY_X : t.RAY_Y + 1], rays[:, t.RAY_DX : t.RAY_DY + 1], rays[:, t.RAY_REACH]
+        )
+        return hits.distance_m, np.ascontiguousarray(hits.normal_xy), hits.surface
 
     def _from_beacons(
         self,
         time_s: float,
-        sonars: NDArray[np.int64],
+        sonars: tuple[int, ...],
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
-    ) -> list[NDArray[np.void]]:
+    ) -> list[NDArray[np.float64]]:
         """Return the beacons' pulses that may reach, straight, the sonars that listen now."""
         sonar, found = self._sonar, []
+        listeners = np.array(sonars)
         for beacon in sonar.beacons:
-            offset = np.array([beacon.x_m, beacon.y_m]) - sensor_xy_m[sonars]
+            offset = np.array([beacon.x_m, beacon.y_m]) - sensor_xy_m[listeners]
             way_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
-            hits = self._rays.cast(sensor_xy_m[sonars], offset / way_m[:, None], way_m)
-            bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[sonars]
+            hits = self._rays.cast(sensor_xy_m[listeners], offset / way_m[:, None], way_m)
+            bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[listeners]
             received_db = sonar.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
             for k in np.flatnonzero(hits.surface < 0):
                 travel_s = way_m[k] / sonar.air.speed_mps
                 pulses_s = beacon.pulses_s(time_s - travel_s, time_s - travel_s + sonar.window_s)
-                sounds = no_sounds(pulses_s.size)
-                sounds["sent_s"], sounds["source"] = pulses_s, LogTruth.OUTSIDE_SOURCE
-                sounds["listener"], sounds["way_m"] = sonars[k], way_m[k]
-                sounds["level_db"] = (
-                    e.way_db(sonar.air_table, way_m[k]) + received_db[k] + beacon.level_db
+                sounds = np.zeros((pulses_s.size, t.SOUND_COLUMNS))
+                sounds[:, t.SOUND_SENT] = pulses_s
+                sounds[:, t.SOUND_SOURCE] = LogTruth.OUTSIDE_SOURCE
+                sounds[:, t.SOUND_LISTENER], sounds[:, t.SOUND_WAY] = listeners[k], way_m[k]
+                sounds[:, t.SOUND_LEVEL] = (
+                    way_db(sonar.acoustics, way_m[k]) + received_db[k] + beacon.level_db
                 )
+                sounds[:, t.SOUND_SURFACE], sounds[:, t.SOUND_INCIDENCE] = -1, np.nan
                 found.append(sounds)
         return found
 
-    def _measured(
-        self,
-        range_m: NDArray[np.float64],
-        over_db: NDArray[np.float64],
-        roughness_m: NDArray[np.float64],
-    ) -> NDArray[np.float64]:
-        receiver, ring = self._sonar.receiver, self._sonar.ring
-        jitter_m = receiver.weak_noise_std_m * 10 ** (-np.nan_to_num(over_db) / 20)
-        std_m = np.sqrt(receiver.noise_std_m**2 + jitter_m**2 + roughness_m**2)
-        reading = range_m + self._rng.normal(0.0, 1.0, range_m.size) * std_m
-        if receiver.quantum_m > 0:
-            reading = np.round(reading / receiver.quantum_m) * receiver.quantum_m
-        # Noise alone must not turn an echo at the very end of the range into silence.
-        reading = np.where(np.isfinite(range_m), np.minimum(reading, ring.range_max_m), np.inf)
-        return np.where(reading < ring.range_min_m, -np.inf, reading)
+
+def _surface_table(world: World) -> NDArray[np.float64]:
+    """Return what the surfaces are like; surface -1, none, takes the last row."""
+    table = np.zeros((len(world.roughness_m) + 1, t.SURFACE_COLUMNS))
+    table[:-1, t.SURFACE_RADIUS] = world.radius_m
+    table[:-1, t.SURFACE_MIRROR] = 20 * np.log10(np.maximum(world.reflectivity, 1e-10))
+    table[:-1, t.SURFACE_FLOOR] = world.diffuse_floor_db
+    table[:-1, t.SURFACE_ROUGHNESS] = world.roughness_m
+    return table

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Ears, EarsTogether, Echoes, cause_of
+from sim.acoustics import Echoes, SonarTogether, cause_of
 from sim.engine import RayCaster
-from sim.firing import AllAtOnce
-from sonarmap import InputError, LogTruth, SonarRing
-from sonarmap.errors import positive
+from sonarmap import InputError, LogTruth
 from worlds import World
 
 __all__ = ["WEBOTS_CRITICAL_RAD", "WebotsSonar"]
@@ -22,44 +20,24 @@ WEBOTS_CRITICAL_RAD = math.radians(22.5)
 
 
 @dataclass(frozen=True)
-class WebotsSonar:
+class WebotsSonar(SonarTogether):
     """A ring whose sonars read the nearest of a few rays under 22.5 degrees, without noise.
 
     Parameters
     ----------
-    name : str
-        Name of the preset.
-    ring : SonarRing
-        Places, cone width, nearest and farthest range.
-    scan_period_s : float
-        All sonars are read at once, this often, seconds, > 0.
+    name, ring, scan_period_s
+        See `sim.acoustics.SonarTogether`.
     rays : int
         Rays of a fan, odd, so that one lies on the axis.
     """
 
-    name: str
-    ring: SonarRing
-    scan_period_s: float
     # Webots draws its cones with up to ten rays.
     rays: int = 9
 
     def __post_init__(self) -> None:
-        positive("scan_period_s", self.scan_period_s)
+        super().__post_init__()
         if self.rays < 1 or self.rays % 2 == 0:
             raise InputError(f"rays must be odd and >= 1, got {self.rays!r}")
-
-    def replace(self, **changes: object) -> WebotsSonar:
-        """Return this sonar with some fields replaced."""
-        return replace(self, **changes)  # type: ignore[arg-type]
-
-    @property
-    def firing(self) -> AllAtOnce:
-        """All sonars at once."""
-        return AllAtOnce(self.scan_period_s)
-
-    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
-        """Return the sonars of one drive, see `sim.acoustics.Sonar`."""
-        return EarsTogether(self, rays, world, rng)
 
     def listen(
         self,

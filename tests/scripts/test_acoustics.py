@@ -8,7 +8,17 @@ import pytest
 
 from sim import Piston, sonars
 from sonarbed import acoustics
-from sonarbed.acoustics import beam, causes, crosstalk, dropout, ghost, reality, regions, theory
+from sonarbed.acoustics import (
+    beam,
+    causes,
+    crosstalk,
+    driving,
+    dropout,
+    ghost,
+    reality,
+    regions,
+    theory,
+)
 from sonarbed.cli import main
 from sonarbed.studies.setting import Setting
 
@@ -156,6 +166,21 @@ def test_page_shows_every_part(tmp_path, run, monkeypatch):
     # A report of the thesis does not get into its folder.
     err = run(["thesis", "--quick", "--sonar", "physical", "--out", out], code=2)
     assert "holds a report with report 'acoustics', asked for 'thesis'" in err
+
+
+def test_hallway_is_as_silent_as_the_real_one():
+    shares = reality.shares_of(driving.drive(reality.as_real(PHYSICAL, 83.0, seed=0)))
+    real = reality.REAL
+    assert shares.lost == pytest.approx(real.lost, abs=0.04)
+    assert min(shares.lost_by_sonar) == pytest.approx(min(real.lost_by_sonar), abs=0.06)
+    # The real robot's sonar at +7.5 degrees hears far less than its twin at -7.5; ours are alike.
+    assert max(shares.lost_by_sonar) == pytest.approx(0.65, abs=0.08)
+    assert np.mean(shares.lost_by_sonar[3:5]) == pytest.approx(
+        np.mean(real.lost_by_sonar[3:5]), abs=0.12
+    )
+    assert shares.repeated == pytest.approx(real.repeated, abs=0.05)
+    assert min(shares.repeated_by_sonar) == pytest.approx(min(real.repeated_by_sonar), abs=0.09)
+    assert max(shares.repeated_by_sonar) == pytest.approx(max(real.repeated_by_sonar), abs=0.09)
 
 
 def test_sonar_without_a_beam_is_refused():

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import sim
 import worlds
 from sim.acoustics import Sonar
+from sim.drivers import Driver
 from sim.packets import StatusPackets
 from sonarbed.studies.drives import usual_driver
 from sonarmap import Cause, SonarLog
@@ -16,12 +17,12 @@ __all__ = ["Drive", "cause_name", "drive"]
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive along the room's usual way.
+    """A drive, by default along the room's usual way.
 
     Parameters
     ----------
     room : str
-        A shipped room.
+        A shipped room, or the path of a room's file.
     sonar : Sonar
         The sonars.
     seconds : float
@@ -30,6 +31,8 @@ class Drive:
         Of all that is random.
     packets : StatusPackets, optional
         Log what packets tell, see `sim.simulate`.
+    driver : Driver, optional
+        Who drives; by default the room's usual driver.
     """
 
     room: str
@@ -37,6 +40,7 @@ class Drive:
     seconds: float
     seed: int = 0
     packets: StatusPackets | None = None
+    driver: Driver | None = None
 
 
 def drive(task: Drive) -> SonarLog:
@@ -45,7 +49,7 @@ def drive(task: Drive) -> SonarLog:
         worlds.load(task.room),
         scans=max(round(task.seconds / task.sonar.firing.period_s), 1),
         seed=task.seed,
-        driver=usual_driver(task.room),
+        driver=usual_driver(task.room) if task.driver is None else task.driver,
         sonar=task.sonar,
         packets=task.packets,
     )

@@ -1,21 +1,23 @@
-"""A simulated corridor beside the log of a real one: silence and repeated values."""
+"""A simulated hallway beside the log of a real one: silence and repeated values."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim import StatusPackets
+import worlds
+from sim import InTurn, PhysicalSonar, StatusPackets, Waypoints
 from sonarbed.acoustics.driving import Drive, drive
 from sonarbed.acoustics.theory import physical
 from sonarbed.studies.drawing import COLOURS, figure_with
 from sonarbed.studies.section import Item, Section
 from sonarbed.studies.setting import Setting
-from sonarmap import SonarLog, mark_stale
+from sonarmap import SonarLog, mark_stale, ring
 
-__all__ = ["REAL", "SECONDS", "Shares", "run", "shares_of"]
+__all__ = ["REAL", "ROOM", "SECONDS", "Shares", "as_real", "run", "shares_of"]
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,7 @@ class Shares:
 
 
 # github.com/udacity/RoboND-OccupancyGridMappingAlgorithm, Data/measurement.txt and poses.txt at
-# 5954edb: 413 rows of eight sonars, counted after import by the rules that count ours. Its sonars
-# look to -90, -37.5, ... +90 degrees, so they are compared as a whole and not one by one.
+# 5954edb: 413 rows of eight sonars, counted after import by the rules that count ours.
 REAL = Shares(
     0.331,
     0.670,
@@ -46,14 +47,38 @@ REAL = Shares(
     (0.680, 0.596, 0.634, 0.697, 0.884, 0.600, 0.639, 0.632),
 )
 
+# The same log's rows are 214 ms apart and each sonar has a new value in every second row, so its
+# ring takes 428 ms; its ranges are whole centimetres; its robot drives at 0.29 m/s. Times of the
+# simulation are whole multiples of 5 ms.
+_SLOT_S, _PACKET_S, _QUANTUM_M, _SPEED_MPS = 0.055, 0.215, 0.01, 0.29
 
-SECONDS = (76.8, 20.0)
+ROOM = Path(__file__).with_name("hallway.toml")
+"""The hallways of the real log, reconstructed from its ranges."""
+
+SECONDS = (83.0, 20.0)
 """How long a drive is in the full page and in a quick one."""
 
 
 def run(setting: Setting) -> Section:
-    """Drive along the shipped corridor as the real robot did."""
-    return Section("reality", "Beside a real log", (_corridor(setting),))
+    """Drive along the hallways of the real log as its robot did."""
+    return Section("reality", "Beside a real log", (_hallway(setting),))
+
+
+def as_real(sonar: PhysicalSonar, seconds: float, seed: int) -> Drive:
+    """Return the drive with the ring, the times and the steps of the real robot."""
+    world = worlds.load(str(ROOM))
+    return Drive(
+        str(ROOM),
+        sonar.replace(
+            ring=ring("udacity8"),
+            firing=InTurn(_SLOT_S),
+            receiver=replace(sonar.receiver, quantum_m=_QUANTUM_M),
+        ),
+        seconds,
+        seed=seed,
+        packets=StatusPackets(_PACKET_S),
+        driver=Waypoints(world.route_m, speed_mps=_SPEED_MPS),
+    )
 
 
 def shares_of(log: SonarLog) -> Shares:
@@ -66,15 +91,11 @@ def shares_of(log: SonarLog) -> Shares:
     return Shares(float(lost.mean()), float(repeated.mean()), by_sonar(lost), by_sonar(repeated))
 
 
-def _corridor(setting: Setting) -> Item:
+def _hallway(setting: Setting) -> Item:
     sonar = physical(setting.sonar)
-    packets = StatusPackets()
     seconds = SECONDS[setting.quick]
-    tasks = [
-        Drive("corridor", sonar, seconds, seed=seed, packets=packets)
-        for seed in range(1 if setting.quick else 3)
-    ]
-    logs = setting.map(drive, tasks, "driving along the corridor")
+    tasks = [as_real(sonar, seconds, seed) for seed in range(1 if setting.quick else 3)]
+    logs = setting.map(drive, tasks, "driving along the hallway")
     each = [shares_of(log) for log in logs]
     ours = Shares(
         float(np.mean([shares.lost for shares in each])),
@@ -98,11 +119,9 @@ def _corridor(setting: Setting) -> Item:
             ("repeated, most of the sonars", lambda s: max(s.repeated_by_sonar)),
         )
     ]
-    receiver = sonar.receiver
-    first, second = sonar.firing.slots(0, len(sonar.ring))[:2]
-    slot_ms = 1000 * (second.offset_s - first.offset_s)
     figure, panels = figure_with(1, 2, width=5.2, height=3.4, sharey=True)
     names = ("no echo", "repeated value")
+    bearings = [f"{bearing:g}" for bearing in np.degrees(ring("udacity8").heading_rad)]
     for axes, name, mine, real in zip(
         panels,
         names,
@@ -110,36 +129,39 @@ def _corridor(setting: Setting) -> Item:
         (REAL.lost_by_sonar, REAL.repeated_by_sonar),
         strict=True,
     ):
-        place = np.arange(1, len(mine) + 1)
-        axes.bar(place - 0.2, sorted(real), 0.38, color="#9A9A9A", label="real log")
-        axes.bar(place + 0.2, sorted(mine), 0.38, color=COLOURS[0], label="simulated")
-        axes.set(title=name, xlabel="sonars, from the least to the most", ylim=(0, 1))
-        axes.set_xticks(place)
+        place = np.arange(len(mine))
+        axes.bar(place - 0.2, real, 0.38, color="#9A9A9A", label="real log")
+        axes.bar(place + 0.2, mine, 0.38, color=COLOURS[0], label="simulated")
+        axes.set(title=name, xlabel="the sonar's axis (degrees, left positive)", ylim=(0, 1))
+        axes.set_xticks(place, bearings)
     panels[0].set_ylabel("share of the sonar's readings")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    front = slice(3, 5)
     return Item(
-        "A corridor: silence and repeats",
+        "A hallway: silence and repeats",
         f"No theory but a real robot's log (RoboND-OccupancyGridMapping): {REAL.lost:.0%} of the "
         f"readings without echo, {min(REAL.lost_by_sonar):.0%} to {max(REAL.lost_by_sonar):.0%} by "
         f"sonar; {min(REAL.repeated_by_sonar):.0%} to {max(REAL.repeated_by_sonar):.0%} repeat the "
-        "packet before.",
+        "row before.",
         f"Simulated: {ours.lost:.0%} without echo, {min(ours.lost_by_sonar):.0%} to "
         f"{max(ours.lost_by_sonar):.0%} by sonar; {min(ours.repeated_by_sonar):.0%} to "
-        f"{max(ours.repeated_by_sonar):.0%} repeats. Set to get there: the room's carved frames, "
-        f"{receiver.dynamic_range_db:g} dB of dynamic range with {receiver.gain_share:.0%} of the "
-        f"loss by distance taken back, one sonar every {slot_ms:.0f} ms, "
-        f"a packet every {1000 * packets.period_s:.0f} ms. Against the real "
-        f"log: {_points(ours.lost - REAL.lost)} points of silence, "
-        f"{_points(max(ours.lost_by_sonar) - max(REAL.lost_by_sonar))} for the most silent sonar, "
-        f"{_points(ours.repeated - REAL.repeated)} of repeats.",
-        (setting.figure("corridor", figure, "Shares by sonar, sorted"),),
+        f"{max(ours.repeated_by_sonar):.0%} repeats. Taken from the log: the sonars' directions, "
+        f"one sonar every {1000 * _SLOT_S:.0f} ms, a row every {1000 * _PACKET_S:.0f} ms, whole "
+        f"centimetres, {_SPEED_MPS:g} m/s, the hallways' widths and open ends. Set to get there: "
+        f"door frames every 4 m and {sonar.receiver.dynamic_range_db:g} dB of dynamic range. "
+        "Ours are all alike, and the real ones may not be: of its two front sonars one loses "
+        f"{min(REAL.lost_by_sonar[front]):.0%} and one {max(REAL.lost_by_sonar[front]):.0%}, "
+        f"{np.mean(REAL.lost_by_sonar[front]):.0%} together; ours lose "
+        f"{min(ours.lost_by_sonar[front]):.0%} and {max(ours.lost_by_sonar[front]):.0%}, "
+        f"{np.mean(ours.lost_by_sonar[front]):.0%} together.",
+        (setting.figure("hallway", figure, "Shares by sonar"),),
         (
             setting.table(
-                "corridor",
+                "hallway",
                 ("share", "simulated", "real", "difference, points"),
                 rows,
-                f"The corridor; {len(logs)} {'drive' if len(logs) == 1 else 'drives'} of "
+                f"The hallway; {len(logs)} {'drive' if len(logs) == 1 else 'drives'} of "
                 f"{seconds:g} s",
             ),
         ),

@@ -19,7 +19,7 @@ def acoustics(
 ) -> None:
     """Draw what the sonars return, from where and why, beside theory.
 
-    A page with its figures and numbers, from the beam to a corridor beside a real log.
+    A page with its figures and numbers, from the beam to a hallway beside a real log.
 
     Example: sonarbed acoustics --quick --out acoustics
     """
