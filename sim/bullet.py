@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from sim import amigobot
@@ -34,7 +35,6 @@ _MOTOR_TORQUE_NM = 5.0
 _TOUCH_PERIOD_S = 0.05
 _SETTLE_S = 0.1
 _GRAVITY_MPS2 = 9.81
-_NONE = np.empty(0, np.int64)
 
 
 class Bullet:
@@ -119,11 +119,7 @@ class Bullet:
     ) -> RayHits:
         """Return the first surface within ``range_max_m`` of each ray, at sonar height."""
         n = len(origins_xy_m)
-        begin, end = np.empty((2, n, 3))
-        begin[:, 2] = end[:, 2] = amigobot.SONAR_HEIGHT_M
-        begin[:, :2] = origins_xy_m
-        np.multiply(range_max_m[:, None], directions_xy, out=end[:, :2])
-        end[:, :2] += origins_xy_m
+        begin, end = _ends(origins_xy_m, directions_xy, range_max_m)
         hits: list[tuple[Any, ...]] = []
         for first in range(0, n, _RAYS_A_CALL):
             rows = slice(first, first + _RAYS_A_CALL)
@@ -135,18 +131,23 @@ class Bullet:
             )
         if len(hits) != n:
             raise RuntimeError(f"PyBullet answered {len(hits)} of {n} rays")
+        if not hits:
+            return RayHits(np.empty(0), np.empty((0, 2)), np.empty(0, np.int32))
         body, _, fraction, _, normal = zip(*hits, strict=True)
-        surface = self._surface_of_body[np.fromiter(body, np.int64, n)]
-        distance_m = np.fromiter(fraction, float, n) * range_max_m
-        distance_m[surface < 0] = np.inf
         # Flat, because numpy is slow at reading tuples within tuples.
-        normal_xy = np.fromiter(chain.from_iterable(normal), float, 3 * n).reshape(n, 3)[:, :2]
-        round_ = np.flatnonzero(self._is_pillar[surface]) if self._has_pillars else _NONE
-        if round_.size:
-            distance_m[round_], normal_xy[round_] = _on_circles(
-                origins_xy_m[round_], directions_xy[round_], self._circles[surface[round_]]
+        flat = chain.from_iterable(normal)
+        return RayHits(
+            *_met(
+                np.fromiter(body, np.int64, n),
+                np.fromiter(fraction, float, n),
+                np.fromiter(flat, float, 3 * n).reshape(n, 3),
+                origins_xy_m,
+                directions_xy,
+                range_max_m,
+                self._surface_of_body,
+                self._circles,
             )
-        return RayHits(distance_m, normal_xy, surface)
+        )
 
     def _build(self, world: World) -> None:
         p, client = self._p, self._client
@@ -166,8 +167,6 @@ class Bullet:
         # One entry more: surface -1 is the last.
         circles = [solid.circle or (0.0, 0.0, 0.0) for solid in world.solids]
         self._circles = np.array([*circles, (0.0, 0.0, 0.0)])
-        self._is_pillar = self._circles[:, 2] > 0
-        self._has_pillars = bool(self._is_pillar.any())
 
     def _add_solid(self, solid: Solid) -> int:
         p, client = self._p, self._client
@@ -244,20 +243,44 @@ def _extruded(solid: Solid) -> tuple[list[tuple[float, float, float]], list[int]
     return vertices, triangles
 
 
-def _on_circles(
-    origin: NDArray[np.float64], direction: NDArray[np.float64], circle: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return distance and normal of rays that are known to meet their circle (x, y, radius).
+@njit(cache=True)
+def _ends(origins_xy_m, directions_xy, range_max_m):
+    """Return where rays begin and end, at sonar height, shapes (n, 3)."""
+    n = range_max_m.size
+    begin, end = np.empty((n, 3)), np.empty((n, 3))
+    for i in range(n):
+        for axis in range(2):
+            begin[i, axis] = origins_xy_m[i, axis]
+            end[i, axis] = origins_xy_m[i, axis] + range_max_m[i] * directions_xy[i, axis]
+        begin[i, 2] = end[i, 2] = amigobot.SONAR_HEIGHT_M
+    return begin, end
+
+
+@njit(cache=True)
+def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surface_of, circles):
+    """Return (distance, normal, surface) of what PyBullet says that rays have met.
 
     A pillar is a prism for PyBullet: its own cylinders are up to 20 mm and 10 degrees off where a
-    ray grazes them, and catch rays that pass. Which body is met it tells rightly.
+    ray grazes them, and catch rays that pass. Which body is met it tells rightly; the rest
+    follows from the exact circle (x, y, radius; radius 0 for what is no pillar).
     """
-    to_centre = circle[:, :2] - origin
-    along = (to_centre * direction).sum(axis=1)
-    miss_squared = (to_centre**2).sum(axis=1) - along**2
-    distance = along - np.sqrt(np.maximum(circle[:, 2] ** 2 - miss_squared, 0))
-    outward = origin + distance[:, None] * direction - circle[:, :2]
-    return distance, outward / np.linalg.norm(outward, axis=1)[:, None]
+    n = body.size
+    distance_m, normal_xy, surface = np.empty(n), np.empty((n, 2)), np.empty(n, np.int32)
+    for i in range(n):
+        surface[i] = surface_of[body[i]]
+        distance_m[i] = fraction[i] * range_max_m[i] if surface[i] >= 0 else np.inf
+        normal_xy[i, 0], normal_xy[i, 1] = normal[i, 0], normal[i, 1]
+        radius = circles[surface[i], 2]
+        if radius > 0.0:
+            dx, dy = directions_xy[i, 0], directions_xy[i, 1]
+            ax = circles[surface[i], 0] - origins_xy_m[i, 0]
+            ay = circles[surface[i], 1] - origins_xy_m[i, 1]
+            along, aside = ax * dx + ay * dy, ax * dy - ay * dx
+            distance_m[i] = along - math.sqrt(max(radius * radius - aside * aside, 0.0))
+            ox, oy = distance_m[i] * dx - ax, distance_m[i] * dy - ay
+            length = math.hypot(ox, oy)
+            normal_xy[i, 0], normal_xy[i, 1] = ox / length, oy / length
+    return distance_m, normal_xy, surface
 
 
 def _pybullet() -> Any:

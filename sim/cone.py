@@ -8,6 +8,7 @@ its critical angle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from sim.acoustics import Echoes, SonarTogether, cause_of
 from sim.engine import RayCaster
-from sim.following import measured, meet_surfaces, open_fans
+from sim.following import all_measured, meet_surfaces, open_fans
 from sonarmap import InputError, LogTruth
 from sonarmap.errors import non_negative, positive
 from worlds import World
@@ -156,11 +157,15 @@ class ConeSonar(SonarTogether):
         roughness_m: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> NDArray[np.float64]:
-        noise, ring = rng.normal(size=heard_m.size), self.ring
-        rules = self.noise_std_m, self.range_scale, self.quantum_m
-        limits = ring.range_min_m, ring.range_max_m, np.inf
-        readings = (
-            measured(*echo, *rules, *limits)
-            for echo in zip(heard_m, roughness_m, noise, strict=True)
+        readings_m: NDArray[np.float64] = all_measured(
+            heard_m,
+            roughness_m,
+            rng.normal(size=heard_m.size),
+            self.noise_std_m,
+            self.range_scale,
+            self.quantum_m,
+            self.ring.range_min_m,
+            self.ring.range_max_m,
+            math.inf,
         )
-        return np.fromiter(readings, float, heard_m.size)
+        return readings_m

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["OFF_SURFACE_M", "measured", "meet_surfaces", "open_fans", "turned"]
+__all__ = ["OFF_SURFACE_M", "all_measured", "measured", "meet_surfaces", "open_fans", "turned"]
 
 OFF_SURFACE_M = 1e-6
 """A mirrored ray begins this far off the surface, so that it does not meet it again."""
@@ -165,3 +165,24 @@ def measured(heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m,
     # Noise alone must not turn an echo at the very end of the range into silence.
     reading = min(reading, far_m)
     return -math.inf if reading < near_m else reading
+
+
+@njit(cache=True)
+def all_measured(
+    heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m
+):
+    """Return `measured` of k sonars; the first three parameters have shape (k,)."""
+    reading_m = np.empty(heard_m.size)
+    for k in range(heard_m.size):
+        reading_m[k] = measured(
+            heard_m[k],
+            roughness_m[k],
+            noise[k],
+            noise_std_m,
+            scale,
+            quantum_m,
+            near_m,
+            far_m,
+            silent_m,
+        )
+    return reading_m

@@ -70,17 +70,23 @@ def interrupt(arguments, *, when, how=ctrl_c):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # Whoever runs the tests in the background has Ctrl-C ignored, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     deadline = time.monotonic() + 60
-    while not when():
-        assert command.poll() is None, command.stderr.read()
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
-    how(command)
-    out, err = command.communicate(timeout=60)
-    while is_alive(command.pid):  # nobody of the group is left behind
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    try:
+        while not when():
+            assert command.poll() is None, command.stderr.read()
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        how(command)
+        out, err = command.communicate(timeout=60)
+        while is_alive(command.pid):  # nobody of the group is left behind
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+    finally:
+        if is_alive(command.pid):
+            os.killpg(command.pid, signal.SIGKILL)
     return command.returncode, out, err
 
 
