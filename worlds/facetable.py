@@ -44,6 +44,9 @@ class FaceTable(NamedTuple):
         (x, y, radius) of each circle.
     surface : ndarray of int32, shape (s + c,)
         Index of each face's surface within its room.
+    span : ndarray of int64, shape (rooms, 4)
+        Numbers of each room's first segment and the one after its last, and likewise of its
+        circles.
     grid : ndarray, shape (rooms, 3)
         Lower-left corner and cell size of each room's grid.
     shape : ndarray of int64, shape (rooms, 3)
@@ -58,6 +61,7 @@ class FaceTable(NamedTuple):
     normals: _Floats
     circles: _Floats
     surface: NDArray[np.int32]
+    span: _Ints
     grid: _Floats
     shape: _Ints
     cell_start: _Ints
@@ -73,7 +77,7 @@ def face_table(rooms: Sequence[tuple[_Floats, _Floats, NDArray[np.int32]]]) -> F
         Of each room its segments (n, 4), circles (m, 3) and surfaces (n + m,), segments first.
     """
     flat = sum(len(segments) for segments, _, _ in rooms)
-    grids, shapes, starts, listed = [], [], [], []
+    spans, grids, shapes, starts, listed = [], [], [], [], []
     first_segment, first_circle, first_cell, first_listed = 0, flat, 0, 0
     for segments, circles, _ in rooms:
         grid, rows, cols = _grid_over(segments, circles)
@@ -84,8 +88,9 @@ def face_table(rooms: Sequence[tuple[_Floats, _Floats, NDArray[np.int32]]]) -> F
         shapes.append((rows, cols, first_cell))
         starts.append(start + first_listed)
         listed.append(faces)
-        first_segment += len(segments)
-        first_circle += len(circles)
+        after_segments, after_circles = first_segment + len(segments), first_circle + len(circles)
+        spans.append((first_segment, after_segments, first_circle, after_circles))
+        first_segment, first_circle = after_segments, after_circles
         first_cell += start.size
         first_listed += faces.size
     surfaces = [surface[: len(segments)] for segments, _, surface in rooms]
@@ -98,6 +103,7 @@ def face_table(rooms: Sequence[tuple[_Floats, _Floats, NDArray[np.int32]]]) -> F
         np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None],
         np.concatenate([np.empty((0, 3)), *(circles for _, circles, _ in rooms)]),
         np.concatenate(surfaces).astype(np.int32),
+        np.array(spans, np.int64),
         np.array(grids),
         np.array(shapes, np.int64),
         np.concatenate(starts),

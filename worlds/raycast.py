@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 
 from worlds.facetable import FaceTable
 
-__all__ = ["cast_rays", "clearance", "face_normal", "first_hit"]
+__all__ = ["NEAREST", "OVERHANG", "cast_rays", "clearance", "face_normal", "first_hit"]
 
 _Floats = NDArray[np.float64]
 _Ints = NDArray[np.int64]
 
-# A ray that begins on the surface that mirrored it must not meet that surface again.
-_NEAREST = 1e-9
-# Segments reach this share of their length beyond their ends, so that no ray slips through
-# the corner of two walls by a rounding error.
-_OVERHANG = 1e-9
+NEAREST = 1e-9
+"""A ray that begins on the surface that mirrored it must not meet that surface again."""
+OVERHANG = 1e-9
+"""Segments reach this share of their length beyond their ends, so that no ray slips through the
+corner of two walls by a rounding error."""
 
 
 # The kernels below index their tables by number: a slice of an array would cost more than the
@@ -44,10 +44,10 @@ def _meet_segment(segments: _Floats, i: int, x: float, y: float, dx: float, dy: 
     if across < 0.0:
         share = -share
     length = abs(across)
-    if not -_OVERHANG * length <= share <= (1.0 + _OVERHANG) * length:
+    if not -OVERHANG * length <= share <= (1.0 + OVERHANG) * length:
         return math.inf
     distance = (ax * ey - ay * ex) / across
-    return distance if distance > _NEAREST else math.inf
+    return distance if distance > NEAREST else math.inf
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -61,9 +61,9 @@ def _meet_circle(circles: _Floats, i: int, x: float, y: float, dx: float, dy: fl
         return math.inf
     half_chord = math.sqrt(half_chord_2)
     distance = along - half_chord
-    if distance <= _NEAREST:
+    if distance <= NEAREST:
         distance = along + half_chord  # from inside, the far side is met
-    return distance if distance > _NEAREST else math.inf
+    return distance if distance > NEAREST else math.inf
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -174,7 +174,7 @@ def cast_rays(
 ) -> tuple[_Floats, _Floats, NDArray[np.int32]]:
     """Return (distance, normal, surface) of n rays in a room, see `worlds.RayHits`."""
     n = origins.shape[0]
-    segments, normals, circles, surface, grid, shape, cell_start, cell_face = table
+    segments, normals, circles, surface, _, grid, shape, cell_start, cell_face = table
     distances = np.full(n, np.inf)
     against = np.zeros((n, 2))
     surfaces = np.full(n, -1, dtype=np.int32)
@@ -202,7 +202,7 @@ def clearance(
 
     Only faces nearer than `reach` are looked for; (inf, 0, 0) if there is none.
     """
-    segments, _, circles, _, grid, shape, cell_start, cell_face = table
+    segments, _, circles, _, _, grid, shape, cell_start, cell_face = table
     left, bottom, cell = grid[room, 0], grid[room, 1], grid[room, 2]
     rows, cols, first_cell = shape[room, 0], shape[room, 1], shape[room, 2]
     flat = segments.shape[0]

@@ -36,7 +36,7 @@ def mark_visible(
     face have seen the face between them as well: under a grazing angle their ends lie several
     cells apart. `behind` is how far the surface's own cell is looked for behind its face.
     """
-    segments, normals, circles, _, grid, shape, cell_start, cell_face = faces
+    segments, normals, circles, _, _, grid, shape, cell_start, cell_face = faces
     for k in range(cones.shape[0]):
         x, y = cones[k, 0], cones[k, 1]
         last_face, last_x, last_y = -1, 0.0, 0.0

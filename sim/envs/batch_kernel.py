@@ -12,8 +12,9 @@ import numpy as np
 from numba import njit, prange
 
 from sim.acoustics import cause_of
-from sim.amigobot import PHYSICS_DT_S, WHEEL_RADIUS_M
-from sim.envs.cone_kernel import RAY_COLUMNS, hear_cone
+from sim.amigobot import BODY_LENGTH_M, PHYSICS_DT_S, WHEEL_RADIUS_M
+from sim.envs.cone_kernel import cone_memory, hear_cone
+from sim.envs.fan_kernel import faces_near
 from sim.following import measured
 from sim.kinematics import drive
 from sim.odometry import reckon
@@ -81,16 +82,18 @@ def _fire(
     sonars = mounts.shape[0]
     x, y, heading = state.true_pose[0], state.true_pose[1], state.true_pose[2]
     cos, sin = math.cos(heading), math.sin(heading)
-    rays = np.empty((cos_bearing.size, RAY_COLUMNS))
+    memory = cone_memory(cos_bearing.size)
+    # No sonar is farther from the robot's middle than its body reaches.
+    near = faces_near(table, body.room, x, y, body.far_m + BODY_LENGTH_M)
     heard_m, bounces = np.empty(sonars), np.empty(sonars, np.int16)
     for k in range(sonars):
         heard_m[k], surface, bounces[k], incidence_cos, axis_range_m, cone_range_m = hear_cone(
-            table, body.room,
+            table, body.room, near,
             x + cos * mounts[k, 0] - sin * mounts[k, 1],
             y + sin * mounts[k, 0] + cos * mounts[k, 1],
             heading + mounts[k, 2],
             cos_bearing, sin_bearing, body.far_m, body.max_bounces,
-            critical_cos, reflectivity, body.threshold, rays,
+            critical_cos, reflectivity, body.threshold, memory,
         )  # fmt: skip
         silent = surface < 0
         state.range_m[k] = measured(

@@ -129,7 +129,7 @@ def follow_terms(
 @njit(cache=True)
 def _wall_beside(table, rooms, poses):
     """Return how far the nearest face on the left of each robot is, inf beyond `_FARTHEST_M`."""
-    segments, _, circles, _, grid, shape, cell_start, cell_face = table
+    segments, _, circles, _, _, grid, shape, cell_start, cell_face = table
     nearest = np.full(rooms.size, np.inf)
     for i in range(rooms.size):
         for k in range(_LOOKS):
