@@ -21,7 +21,7 @@ _Ints = NDArray[np.int64]
 
 # Cells for each face: more cells cost more steps of a ray, fewer cells more faces a step.
 # Measured in the shipped rooms.
-_CELLS_A_FACE = 4.0
+_CELLS_A_FACE = 2.0
 # A grid has no more cells than this on a side: a long, thin room need not cost much memory.
 _MOST_CELLS = 512
 # Faces are listed in cells that they only just do not touch, this share of a cell: rounding must

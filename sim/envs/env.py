@@ -29,7 +29,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
 
     Parameters
     ----------
-    engine, action, map_patch, control_s, map_resolution_m
+    engine, action, map_patch, control_s, map_resolution_m, map_range_m
         What stays the same through all episodes, see `sim.envs.TeamSpec`.
     world, sonar, odometry, start, goal, randomisation
         What may differ from episode to episode, see `sim.envs.EpisodeOptions`. ``reset`` takes
@@ -50,6 +50,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         map_patch: int = 0,
         control_s: float = 0.1,
         map_resolution_m: float = 0.1,
+        map_range_m: float = 3.0,
         world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
         sonar: str | Sonar = "aria",
         odometry: OdometryModel | None = None,
@@ -66,7 +67,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
             )
         self.render_mode = render_mode
         self._team = Team(
-            TeamSpec(engine, action, map_patch, control_s, map_resolution_m),
+            TeamSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
             EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
             lambda robots: self._make_task(robots, weights),
             robots=1,

@@ -42,32 +42,32 @@ def _add_reading(
         border, axis, edge, bearing, runs, cells,
     )  # fmt: skip
     evidence = cells[5]
-    n = 0
+    n, bits, new_cells, freed = 0, 0.0, 0, 0
     for row in range(row_begin, row_end):
         first, count = runs[0, row], runs[1, row]
+        line, truths = log_odds[row, first : first + count], sign[row, first : first + count]
+        counts = reachable[row, first : first + count]
         for k in range(count):
-            col, added = first + k, evidence[n + k]
-            if added == 0.0:
-                continue
-            old = log_odds[row, col]
+            added, old, truth = evidence[n + k], line[k], truths[k]
             new = old + added
-            log_odds[row, col] = new
-            truth = sign[row, col]
-            if truth == 0:
+            line[k] = new
+            if truth == 0 or added == 0.0:
                 continue
             # Of a cell that is as right, or as wrong, as a score can tell, nothing changes.
-            if not min(abs(old), abs(new)) >= _LIMIT or old * new < 0.0:
-                gains[0] += _bits(truth * new) - _bits(truth * old)
-            if old == 0.0:
-                gains[1] += 1.0
-            if reachable[row, col]:
-                gains[2] += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
+            if min(abs(old), abs(new)) < _LIMIT or old * new < 0.0:
+                bits += _bits(truth * new) - _bits(truth * old)
+            new_cells += old == 0.0
+            if counts[k]:
+                freed += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
         n += count
+    gains[0] += bits
+    gains[1] += new_cells
+    gains[2] += freed
 
 
 @njit(cache=True)
 def add_fresh(
-    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, echo,
+    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, number,
     border, axis, edge, bearing, room,
 ):  # fmt: skip
     """Add the readings of the last control step to the maps of robots.
@@ -89,17 +89,18 @@ def add_fresh(
         Place and axis of each sonar in the robot's frame.
     half_angle, bearing
         See `sonarmap._fusion.cone_evidence`.
-    echo : ndarray of bool, shape (robots, sonars)
-        Which readings say something.
-    border, axis, edge : ndarray, shapes (robots, sonars, 3), (..., 3, 2), (..., 3, 2)
-        Their `Regions`.
+    number : ndarray of int, shape (robots, sonars)
+        Which of the regions are a reading's; -1 if it says nothing.
+    border, axis, edge : ndarray, shapes (regions, 3), (regions, 3, 2), (regions, 3, 2)
+        `Regions` of the readings that say something.
     room : int
         Cells for which there must be memory.
     """
     cells, runs = cone_memory(room), np.empty((2, log_odds.shape[1]), np.int64)
     for row in rows:
         for k in range(mounts.shape[0]):
-            if not echo[row, k]:
+            i = number[row, k]
+            if i < 0:
                 continue
             pose = states[row].fired_pose[k]
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
@@ -108,13 +109,13 @@ def add_fresh(
                 pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
                 pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
                 pose[2] + mounts[k, 2],
-                half_angle, border[row, k], axis[row, k], edge[row, k], bearing, runs, cells,
+                half_angle, border[i], axis[i], edge[i], bearing, runs, cells,
             )  # fmt: skip
 
 
 @njit(cache=True, parallel=True)
 def add_fresh_together(
-    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, echo,
+    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, number,
     border, axis, edge, bearing, room, jobs,
 ):  # fmt: skip
     """Do as `add_fresh` on all cores, in so many parts."""
@@ -122,7 +123,7 @@ def add_fresh_together(
         begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
         add_fresh(
             states, rows[begin:end], log_odds, sign, reachable, gains, shapes, grids, mounts,
-            half_angle, echo, border, axis, edge, bearing, room,
+            half_angle, number, border, axis, edge, bearing, room,
         )  # fmt: skip
 
 

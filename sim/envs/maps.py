@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +16,7 @@ from sim.envs.map_kernel import (
 )
 from sonarmap import OccupancyMap, SonarRing
 from sonarmap._fusion import bearing_polynomial, cone_room
-from sonarmap.models import Regions, SensorModel
+from sonarmap.models import SensorModel
 
 __all__ = ["RobotMaps"]
 
@@ -37,13 +39,17 @@ class RobotMaps:
         The sonars of every robot.
     model : SensorModel
         What a reading says of the cells in its cone.
+    max_range_m : float
+        Longer readings are ignored, as by `sonarmap.build_map`; > 0.
     """
 
-    def __init__(self, robots: int, ring: SonarRing, model: SensorModel) -> None:
+    def __init__(
+        self, robots: int, ring: SonarRing, model: SensorModel, max_range_m: float = math.inf
+    ) -> None:
         self._ring, self._model = ring, model
         self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
         self._bearing = bearing_polynomial(model.half_angle_rad)
-        self._limit_m = min(ring.range_max_m, model.range_limit_m)
+        self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
         self._facts: list[RoomFacts | None] = [None] * robots
         self._log_odds = np.zeros((robots, 1, 1))
         self._sign = np.zeros((robots, 1, 1), np.int8)
@@ -70,7 +76,7 @@ class RobotMaps:
         self._grids[row] = *grid.origin_xy_m, grid.resolution_m
         self._gains[row] = 0.0
         # Of all rooms so far: a cone needs at most so much memory.
-        reach_m = self._regions(np.array([self._limit_m])).reach_m
+        reach_m = self._model.regions(np.array([self._limit_m])).reach_m
         self._room = max(self._room, cone_room(*grid.shape, grid.resolution_m, reach_m))
 
     def add(self, states: NDArray[np.void], rows: NDArray[np.int64]) -> None:
@@ -81,9 +87,9 @@ class RobotMaps:
         self._gains[rows, :2] = 0.0
         range_m = states["range_m"]
         echo = (states["fresh"] != 0) & (range_m >= 0) & (range_m <= self._limit_m)
-        # The regions of what says nothing are not used, but must be finite.
-        regions = self._regions(np.where(echo, range_m, self._limit_m).ravel())
-        robots, sonars = range_m.shape
+        regions = self._model.regions(range_m[echo])
+        number = np.full(echo.shape, -1)
+        number[echo] = np.arange(len(regions.border_m))
         work = (
             states,
             rows,
@@ -95,10 +101,10 @@ class RobotMaps:
             self._grids,
             self._mounts,
             self._model.half_angle_rad,
-            echo,
-            regions.border_m.reshape(robots, sonars, -1),
-            regions.axis.reshape(robots, sonars, -1, 2),
-            regions.edge.reshape(robots, sonars, -1, 2),
+            number,
+            regions.border_m,
+            regions.axis,
+            regions.edge,
             self._bearing,
             self._room,
         )
@@ -134,9 +140,6 @@ class RobotMaps:
         facts = self._facts[row]
         assert facts is not None, "asked before begin"
         return OccupancyMap(facts.grid, self._log_odds[row, : facts.grid.rows, : facts.grid.cols])
-
-    def _regions(self, range_m: NDArray[np.float64]) -> Regions:
-        return self._model.regions(range_m)
 
     def _grow(self, rows: int, cols: int) -> None:
         robots, had_rows, had_cols = self._log_odds.shape

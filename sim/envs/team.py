@@ -47,6 +47,9 @@ class TeamSpec:
         Length of a step of the environment, seconds, a multiple of 5 ms.
     map_resolution_m : float
         Side of a cell of the robot's map, metres, > 0.
+    map_range_m : float
+        Longer readings are not mapped, metres, > 0; by default the maximum range of the thesis's
+        robot (Rashid 2006, p. 56).
     """
 
     engine: str = "segments"
@@ -54,6 +57,7 @@ class TeamSpec:
     map_patch: int = 0
     control_s: float = 0.1
     map_resolution_m: float = 0.1
+    map_range_m: float = 3.0
 
     def __post_init__(self) -> None:
         if self.engine not in ENGINES:
@@ -65,6 +69,7 @@ class TeamSpec:
         action_mode(self.action)
         check_steps("control_s", self.control_s)
         positive("map_resolution_m", self.map_resolution_m)
+        positive("map_range_m", self.map_range_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -235,7 +240,8 @@ class Team:
             physics = EnginePhysics(spec.engine, robots, len(sonar.ring), spec.control_s)
         maps = None
         if self.task.needs_maps or spec.map_patch:
-            maps = RobotMaps(robots, sonar.ring, ParameterizedModel.thesis())
+            model = ParameterizedModel.thesis()
+            maps = RobotMaps(robots, sonar.ring, model, spec.map_range_m)
         return _Gear(_kind(sonar), sonar, physics, maps)
 
     def _change_to(self, sonar: Sonar, robots: int) -> None:

@@ -38,8 +38,8 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         "NextStep": the step after the last begins a new episode. "SameStep": the last step
         already returns the first observation of the new episode, and the last one as
         ``final_obs`` in the info.
-    engine, action, map_patch, control_s, map_resolution_m, world, sonar, odometry, start, goal, \
-randomisation, weights
+    engine, action, map_patch, control_s, map_resolution_m, map_range_m, world, sonar, odometry, \
+start, goal, randomisation, weights
         See `sim.envs.SonarEnv`.
     """
 
@@ -56,6 +56,7 @@ randomisation, weights
         map_patch: int = 0,
         control_s: float = 0.1,
         map_resolution_m: float = 0.1,
+        map_range_m: float = 3.0,
         world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
         sonar: str | Sonar = "aria",
         odometry: OdometryModel | None = None,
@@ -82,7 +83,7 @@ randomisation, weights
         self.num_envs = num_envs
         self.render_mode = render_mode
         self._team = Team(
-            TeamSpec(engine, action, map_patch, control_s, map_resolution_m),
+            TeamSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
             EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
             lambda robots: self.env_class._make_task(robots, weights),
             robots=num_envs,

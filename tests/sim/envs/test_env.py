@@ -249,6 +249,7 @@ BAD_ARGUMENTS = [
     ({"map_patch": -1}, "map_patch must be >= 0, got -1"),
     ({"control_s": 0.0012}, r"control_s must be a multiple of 0.005 s, got 0.0012"),
     ({"map_resolution_m": 0.0}, "map_resolution_m must be > 0"),
+    ({"map_range_m": -1.0}, "map_range_m must be > 0"),
     ({"render_mode": "humans"}, "render_mode 'humans' is unknown; did you mean 'human'"),
 ]
 BAD_OPTIONS = [
