@@ -3,14 +3,20 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+RL_STAMP := $(VENV)/.installed-rl
+# Any PyTorch that Stable-Baselines3 takes will do, on the CPU or not.
+TORCH ?= torch==2.13.0
 
-.PHONY: demo test check format bench clean
+.PHONY: demo test test-rl check format bench clean
 
 demo: $(STAMP)
 	$(BIN)/sonarbed demo --out demo
 
 test: $(STAMP)
 	$(BIN)/pytest
+
+test-rl: $(RL_STAMP)
+	$(BIN)/pytest tests/rl
 
 check: $(STAMP)
 	$(BIN)/ruff format --check .
@@ -29,6 +35,11 @@ $(STAMP): pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	touch $@
+
+$(RL_STAMP): $(STAMP)
+	$(BIN)/python -m pip install --quiet '$(TORCH)'
+	$(BIN)/python -m pip install --quiet --editable '.[dev,rl]'
 	touch $@
 
 clean:
