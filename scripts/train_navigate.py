@@ -60,6 +60,7 @@ CURVE_SEED, JUDGE_SEED, FILM_SEED = 1_000_000, 2_000_000, 3_000_000
 CURVE_EPISODES, CURVE_EVERY_S = 100, 75.0
 # A film shows every third step, as fast as it was.
 FILM_EVERY, FILM_FPS, FILM_WAY_M = 3, 10 / 3, 4.0
+FILM_TRIES = 100
 # The range that Navigate tells as 1.
 GOAL_RANGE_M = 10.0
 # Twice the standard deviations between which a normal variable is with 95 % probability.
@@ -310,13 +311,13 @@ def _label(axes: Axes, minutes: float) -> None:
     axes.legend(loc="best", fontsize=9, frameon=False)
 
 
-def film(act: Act, path: Path, *, tries: int = 100) -> int | None:
+def film(act: Act, path: Path) -> int | None:
     """Film the first episode in an unseen room with a way worth seeing; return its seed.
 
     That is the first seed whose goal is at least `FILM_WAY_M` from the start and is reached; None
-    and no film if none of so many is.
+    and no film if none of `FILM_TRIES` is.
     """
-    for seed in range(FILM_SEED, FILM_SEED + tries):
+    for seed in range(FILM_SEED, FILM_SEED + FILM_TRIES):
         # Frames cost more than driving: first without.
         if drive(act, seed, lambda env: None):
             frames: list[NDArray[np.uint8]] = []
