@@ -9,6 +9,8 @@ from .environments import (
 )
 from .episodes import EpisodeOptions, Randomisation
 from .film import write_gif
+from .policies import Policy, frontier_policy, random_policy, wall_follow_policy
+from .recording import RecordLog, record_minari
 from .tasks.explore import ExploreWeights
 from .tasks.follow_wall import FollowWallWeights
 from .tasks.navigate import NavigateWeights
@@ -26,9 +28,15 @@ __all__ = [
     "NavigateEnv",
     "NavigateVectorEnv",
     "NavigateWeights",
+    "Policy",
     "Randomisation",
+    "RecordLog",
     "SonarEnv",
     "SonarVectorEnv",
     "TeamSpec",
+    "frontier_policy",
+    "random_policy",
+    "record_minari",
+    "wall_follow_policy",
     "write_gif",
 ]
