@@ -14,11 +14,16 @@ from sim.envs.map_kernel import (
     see_patches,
     see_patches_together,
 )
-from sonarmap import OccupancyMap, SonarRing
+from sonarmap import OccupancyMap, ParameterizedModel, SonarRing
 from sonarmap._fusion import bearing_polynomial, cone_room
 from sonarmap.models import SensorModel
 
-__all__ = ["RobotMaps"]
+__all__ = ["MAP_MODEL", "RobotMaps"]
+
+MAP_MODEL = ParameterizedModel(p1=0.4, p2=0.02, p3_m=0.05, p4=0.6, p5_rad=math.radians(15))
+"""What the environments' maps make of a reading. Ten readings a second repeat one another, and the
+thesis's model, which takes each for news, makes a map worse the longer a robot drives: -0.41 to
+0.07 bit a cell after 50 s in four rooms. This one trusts a reading less: 0.06 to 0.53 bit."""
 
 # Few robots are mapped on one core: to start the others would cost more.
 _FEW = 4

@@ -17,11 +17,11 @@ from sim.envs.actions import action_mode
 from sim.envs.batch_physics import BatchPhysics, is_simple
 from sim.envs.drawing import Scene
 from sim.envs.episodes import EpisodeOptions, draw_episode
-from sim.envs.maps import RobotMaps
+from sim.envs.maps import MAP_MODEL, RobotMaps
 from sim.envs.physics import EnginePhysics, Physics, Setting
 from sim.envs.senses import keep_account, sense
 from sim.envs.tasks.task import Briefing, Moment, Task
-from sonarmap import InputError, OccupancyMap, ParameterizedModel
+from sonarmap import InputError, OccupancyMap
 from sonarmap.errors import did_you_mean, positive
 from worlds import Pose
 
@@ -240,8 +240,7 @@ class Team:
             physics = EnginePhysics(spec.engine, robots, len(sonar.ring), spec.control_s)
         maps = None
         if self.task.needs_maps or spec.map_patch:
-            model = ParameterizedModel.thesis()
-            maps = RobotMaps(robots, sonar.ring, model, spec.map_range_m)
+            maps = RobotMaps(robots, sonar.ring, MAP_MODEL, spec.map_range_m)
         return _Gear(_kind(sonar), sonar, physics, maps)
 
     def _change_to(self, sonar: Sonar, robots: int) -> None:

@@ -7,6 +7,7 @@ import pytest
 import sim
 import sonarmap as sm
 import worlds
+from sim.envs.maps import MAP_MODEL
 from sim.envs.policies import random_policy, wall_follow_policy
 from sim.envs.recording import RecordLog, record_minari
 from sonarmap import InputError
@@ -99,7 +100,7 @@ def test_the_map_of_the_log_is_that_of_the_environment(engine):
     with RecordLog(make("Explore", engine=engine, max_episode_steps=15)) as env:
         drive(env, steps=15)
         mapped = env.unwrapped.occupancy_map
-        built = sm.build_map(env.logs[0], sm.ParameterizedModel.thesis(), grid=mapped.grid)
+        built = sm.build_map(env.logs[0], MAP_MODEL, mapped.grid, max_range_m=3.0)
     np.testing.assert_allclose(built.log_odds, mapped.log_odds, atol=1e-9)
 
 
