@@ -8,7 +8,7 @@ from .environments import (
     NavigateVectorEnv,
 )
 from .episodes import EpisodeOptions, Randomisation
-from .film import write_gif
+from .pictures.film import write_gif
 from .policies import Policy, frontier_policy, random_policy, wall_follow_policy
 from .recording import RecordLog, record_minari
 from .tasks.explore import ExploreWeights

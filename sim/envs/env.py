@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from inspect import cleandoc
 from typing import Any, ClassVar
 
 import gymnasium
@@ -10,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.acoustics import Sonar
-from sim.envs.drawing import draw
 from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
+from sim.envs.pictures.drawing import draw
+from sim.envs.pictures.window import Window
 from sim.envs.tasks.task import Task
 from sim.envs.team import Team, TeamSpec
-from sim.envs.window import Window
 from sim.odometry import OdometryModel
 from sonarmap import InputError, OccupancyMap
 from sonarmap.errors import did_you_mean
@@ -25,7 +26,42 @@ Observation = dict[str, NDArray[Any]]
 
 
 class SonarEnv(gymnasium.Env[Observation, Any]):
-    """A robot with sonars and a task; see the environments for what they ask.
+    """A robot with eight sonars and a task; what all environments have in common.
+
+    Observation
+    -----------
+    A dictionary of new arrays:
+
+    ================  ================  =========  ================================================
+    ``range``         float32 (8,)      [0, 1]     newest reading of each sonar over its maximum
+                                                   range; 1 for no echo, 0 for too close
+    ``validity``      int8 (8,)         {0, 1}     1 if that reading is a range
+    ``speed``         float32 (2,)      [-1, 1]    speed ahead and turn rate by the encoders over
+                                                   0.75 m/s and 0.87 rad/s
+    ``last_action``   float32 (2,)      [-1, 1]    shares of the limits that were wanted last
+    ``map``           uint8 (1, n, n)   [0, 255]   with ``map_patch=n``: P(occupied) times 255
+                                                   around the robot by odometry, ahead is up; 128
+                                                   is unknown
+    ================  ================  =========  ================================================
+
+    Action
+    ------
+    ``action="velocity"``: float32 (2,) in [-1, 1], speed ahead over 0.75 m/s and turn rate over
+    0.87 rad/s. ``"wheels"``: float32 (2,) in [-1, 1], left and right wheel over 0.75 m/s.
+    ``"discrete"``: 0 ahead, 1 and 2 in a curve to the left and right, 3 and 4 turn left and right
+    in place, 5 back. Whatever is wanted, the robot's own limits of speed, turn rate and
+    acceleration hold (`sim.kinematics.limited_speeds`). A step is ``control_s``, 0.1 s.
+
+    Reward
+    ------
+    The weighted sum of the task's terms. ``info["reward_terms"]`` has them without their weights.
+
+    Begin, end, faults
+    ------------------
+    The robot begins at rest in a random place of the room (``start``). Every episode ends when it
+    has touched something for 2 s without a break; the task may end it before, and the time limit
+    belongs to the registration. An action outside of the space, a step after the end or after
+    ``close``, an unknown option and a start in a wall are errors that name the rule.
 
     Parameters
     ----------
@@ -69,7 +105,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         self._team = Team(
             TeamSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
             EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
-            lambda robots: self._make_task(robots, weights),
+            lambda robots: self.make_task(robots, weights),
             robots=1,
         )
         self.observation_space = self._team.observation_space
@@ -81,8 +117,15 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         self._needs_reset = "reset must be called before the first step"
         self._closed = False
 
+    def __init_subclass__(cls) -> None:
+        """Let the docstring of an environment be its whole specification."""
+        super().__init_subclass__()
+        common = cleandoc(SonarEnv.__doc__ or "").partition("\n\n")[2]
+        cls.__doc__ = f"{cleandoc(cls.__doc__ or '')}\n\n{common}\n"
+
     @classmethod
-    def _make_task(cls, robots: int, weights: Any) -> Task:
+    def make_task(cls, robots: int, weights: Any) -> Task:
+        """Return the task of so many robots."""
         raise NotImplementedError
 
     def reset(

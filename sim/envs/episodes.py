@@ -25,7 +25,7 @@ from sonarmap import InputError
 from sonarmap.errors import did_you_mean, positive
 from worlds import MATERIALS, Pose, World
 
-__all__ = ["EpisodeOptions", "Randomisation", "draw_episode"]
+__all__ = ["EpisodeOptions", "Randomisation", "check_names", "draw_episode"]
 
 WorldChoice = str | Path | World
 
@@ -99,7 +99,7 @@ class EpisodeOptions:
         if not isinstance(self.randomisation, Randomisation):
             known = [field.name for field in fields(Randomisation)]
             given = self.randomisation or {}
-            _check_names("randomisation", given, known)
+            check_names("randomisation", given, known)
             drawn = Randomisation(**given)
             object.__setattr__(self, "randomisation", drawn)
 
@@ -113,7 +113,7 @@ class EpisodeOptions:
         """
         if not options:
             return self
-        _check_names("option", options, [field.name for field in fields(self)])
+        check_names("option", options, [field.name for field in fields(self)])
         return replace(self, **options)
 
 
@@ -211,7 +211,8 @@ def _ordered_pair(name: str, value: tuple[float, float]) -> None:
         raise InputError(f"{name} must be two numbers, the lower one first, got {value!r}")
 
 
-def _check_names(what: str, given: Mapping[str, Any], known: list[str]) -> None:
+def check_names(what: str, given: Mapping[str, Any], known: list[str]) -> None:
+    """Raise `InputError` if a name that is given is none of the known ones."""
     for name in given:
         if name not in known:
             raise InputError(f"{what} {name!r} is unknown{did_you_mean(str(name), known)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -14,18 +14,18 @@ from sim.acoustics import Sonar
 from sim.drive import check_steps
 from sim.engine import ENGINES
 from sim.envs.actions import action_mode
-from sim.envs.batch_physics import BatchPhysics, is_simple
-from sim.envs.drawing import Scene
-from sim.envs.episodes import EpisodeOptions, draw_episode
+from sim.envs.batch.physics import BatchPhysics, is_simple
+from sim.envs.episodes import EpisodeOptions, check_names, draw_episode
 from sim.envs.maps import MAP_MODEL, RobotMaps
 from sim.envs.physics import EnginePhysics, Physics, Setting
+from sim.envs.pictures.drawing import Scene
 from sim.envs.senses import keep_account, sense
 from sim.envs.tasks.task import Briefing, Moment, Task
 from sonarmap import InputError, OccupancyMap
 from sonarmap.errors import did_you_mean, positive
 from worlds import Pose
 
-__all__ = ["Team", "TeamSpec"]
+__all__ = ["Team", "TeamSpec", "parted"]
 
 # A robot that has touched something for so long without a break is stuck. Assumed.
 _STUCK_S = 2.0
@@ -70,6 +70,23 @@ class TeamSpec:
         check_steps("control_s", self.control_s)
         positive("map_resolution_m", self.map_resolution_m)
         positive("map_range_m", self.map_range_m)
+
+
+def parted(arguments: Mapping[str, Any]) -> tuple[TeamSpec, EpisodeOptions]:
+    """Return arguments, fields of both by their names, as what stays and what may differ.
+
+    Raises
+    ------
+    InputError
+        If there is no such argument or its value breaks its rule.
+    """
+    stays = [field.name for field in fields(TeamSpec)]
+    differs = [field.name for field in fields(EpisodeOptions)]
+    check_names("argument", arguments, [*stays, *differs])
+    return (
+        TeamSpec(**{name: value for name, value in arguments.items() if name in stays}),
+        EpisodeOptions(**{name: value for name, value in arguments.items() if name in differs}),
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,11 +12,8 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from sim.acoustics import Sonar
 from sim.envs.env import Observation, SonarEnv
-from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
-from sim.envs.team import Team, TeamSpec
-from sim.odometry import OdometryModel
+from sim.envs.team import Team, parted
 from sonarmap import InputError
 
 __all__ = ["SonarVectorEnv"]
@@ -38,9 +35,13 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         "NextStep": the step after the last begins a new episode. "SameStep": the last step
         already returns the first observation of the new episode, and the last one as
         ``final_obs`` in the info.
-    engine, action, map_patch, control_s, map_resolution_m, map_range_m, world, sonar, odometry, \
-start, goal, randomisation, weights
-        See `sim.envs.SonarEnv`.
+    weights : object, optional
+        Weights of the reward's terms, a frozen value of the task.
+    render_mode : None
+        Nothing is drawn.
+    **arguments
+        All others of `sim.envs.SonarEnv`: fields of `sim.envs.TeamSpec` and
+        `sim.envs.EpisodeOptions`.
     """
 
     env_class: ClassVar[type[SonarEnv]] = SonarEnv
@@ -51,20 +52,9 @@ start, goal, randomisation, weights
         *,
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        engine: str = "segments",
-        action: str = "velocity",
-        map_patch: int = 0,
-        control_s: float = 0.1,
-        map_resolution_m: float = 0.1,
-        map_range_m: float = 3.0,
-        world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
-        sonar: str | Sonar = "aria",
-        odometry: OdometryModel | None = None,
-        start: str | tuple[float, float, float] = "random",
-        goal: str | tuple[float, float] = "random",
-        randomisation: Randomisation | Mapping[str, Any] | None = None,
         weights: Any = None,
         render_mode: str | None = None,
+        **arguments: Any,
     ) -> None:
         if num_envs < 1:
             raise InputError(f"num_envs must be >= 1, got {num_envs!r}")
@@ -83,9 +73,8 @@ start, goal, randomisation, weights
         self.num_envs = num_envs
         self.render_mode = render_mode
         self._team = Team(
-            TeamSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
-            EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
-            lambda robots: self.env_class._make_task(robots, weights),
+            *parted(arguments),
+            lambda robots: self.env_class.make_task(robots, weights),
             robots=num_envs,
         )
         self.single_observation_space = self._team.observation_space

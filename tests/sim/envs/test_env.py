@@ -10,7 +10,7 @@ from gymnasium.utils.env_checker import check_env
 from rooms import closed_room
 
 import sim
-from sim.envs.drawing import ROBOT_COLOURS
+from sim.envs.pictures.drawing import ROBOT_COLOURS
 from sim.envs.registration import IDS
 from sonarmap import InputError
 from worlds import load

@@ -9,7 +9,7 @@ from support import make_log
 import sonarmap as sm
 import worlds
 from sim import OdometryModel, sonars
-from sim.envs.batch_physics import BatchPhysics
+from sim.envs.batch.physics import BatchPhysics
 from sim.envs.facts import facts_of
 from sim.envs.maps import RobotMaps
 from sim.envs.physics import Setting

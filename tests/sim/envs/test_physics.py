@@ -7,7 +7,7 @@ import pytest
 
 import worlds
 from sim import ConeSonar, OdometryModel, sonars
-from sim.envs.batch_physics import BatchPhysics, is_simple
+from sim.envs.batch.physics import BatchPhysics, is_simple
 from sim.envs.facts import facts_of
 from sim.envs.physics import EnginePhysics, Setting
 from worlds import MATERIALS, Pose

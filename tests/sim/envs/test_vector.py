@@ -155,6 +155,7 @@ def test_gymnasiums_wrappers_take_it():
         ({"render_mode": "rgb_array"}, "render_mode must be None"),
         ({"engine": "segment"}, r"engine 'segment' is unknown; did you mean 'segments'\?"),
         ({"world": "ofice"}, r"did you mean 'office'\?"),
+        ({"wrld": "office"}, r"argument 'wrld' is unknown; did you mean 'world'\?"),
     ],
 )
 def test_bad_arguments_are_refused(arguments, message):

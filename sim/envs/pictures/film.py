@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy.spatial import KDTree
 
-from sim.envs.frames import check_frame
+from sim.envs.pictures.frames import check_frame
 from sonarmap import InputError
 from sonarmap.errors import within
 from sonarmap.files import atomic_path

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.error import DependencyNotInstalled
 from numpy.typing import NDArray
 
-from sim.envs.frames import check_frame
+from sim.envs.pictures.frames import check_frame
 from sonarmap.errors import positive
 
 __all__ = ["Window"]
@@ -55,7 +55,7 @@ class Window:
         Parameters
         ----------
         frame : ndarray of uint8, shape (height, width, 3)
-            What `sim.envs.drawing.draw` returns.
+            What `sim.envs.pictures.drawing.draw` returns.
 
         Raises
         ------

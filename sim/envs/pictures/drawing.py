@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
 
 from sim.amigobot import BODY_RADIUS_M
-from sim.envs.layout import BELIEVED_COLOUR, LEGEND, Layout, font, layout
+from sim.envs.pictures.layout import BELIEVED_COLOUR, LEGEND, Layout, font, layout
 from sonarmap import Cause, GridSpec, InputError, SonarRing
 from sonarmap.errors import first_row
 from worlds import Pose, World

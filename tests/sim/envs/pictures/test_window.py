@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("gymnasium")
 from gymnasium.error import DependencyNotInstalled
 
-from sim.envs.window import Window
+from sim.envs.pictures.window import Window
 from sonarmap import InputError
 
 FRAME = np.zeros((40, 60, 3), np.uint8)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sim.envs.film import write_gif
+from sim.envs.pictures.film import write_gif
 from sonarmap import InputError
 
 

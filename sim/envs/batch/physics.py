@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.acoustics import Sonar
 from sim.cone import ConeSonar
 from sim.drive import physics_steps
-from sim.envs.batch_kernel import advance_alone, advance_together, body_dtype
+from sim.envs.batch.stepping import advance_alone, advance_together, body_dtype
 from sim.envs.physics import Setting
 from sim.envs.rooms import Rooms
 from sim.envs.states import new_states

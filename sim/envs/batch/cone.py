@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numba import njit
 
-from sim.envs.fan_kernel import meet_fan
+from sim.envs.batch.fan import meet_fan
 from sim.following import OFF_SURFACE_M, turned
 from worlds.raycast import face_normal, first_hit
 
@@ -51,7 +51,7 @@ def hear_cone(
     table, room
         The faces.
     near : ndarray of int
-        Numbers of those that its rays may meet, see `sim.envs.fan_kernel.faces_near`.
+        Numbers of those that its rays may meet, see `sim.envs.batch.fan.faces_near`.
     x, y, axis_rad : float
         Place of the transducer and its axis.
     cos_bearing, sin_bearing : ndarray, shape (rays,)

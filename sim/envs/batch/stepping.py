@@ -13,8 +13,8 @@ from numba import njit, prange
 
 from sim.acoustics import cause_of
 from sim.amigobot import BODY_LENGTH_M, PHYSICS_DT_S, WHEEL_RADIUS_M
-from sim.envs.cone_kernel import cone_memory, hear_cone
-from sim.envs.fan_kernel import faces_near
+from sim.envs.batch.cone import cone_memory, hear_cone
+from sim.envs.batch.fan import faces_near
 from sim.following import measured
 from sim.kinematics import drive
 from sim.odometry import reckon

@@ -1,0 +1,1 @@
+"""Physics of many robots with simple cones at once, in a few compiled calls."""

@@ -1,0 +1,1 @@
+"""Frames of an episode: drawn, shown in a window, kept as a film."""
