@@ -7,11 +7,22 @@ import math
 import numpy as np
 from numba import njit, prange
 
-from sonarmap._fusion import cone_evidence, cone_memory
+from sonarmap._fusion import cone_evidence
 from sonarmap.scores import CLAMP, FREE_UP_TO
 
-__all__ = ["add_fresh", "add_fresh_together", "see_patches", "see_patches_together"]
+__all__ = [
+    "FREE",
+    "HIDDEN",
+    "OCCUPIED",
+    "REACHABLE",
+    "add_fresh",
+    "add_fresh_together",
+    "see_patches",
+    "see_patches_together",
+]
 
+# What a cell is in truth.
+HIDDEN, OCCUPIED, FREE, REACHABLE = range(4)
 # A map's cell counts as free below this.
 _FREE_LOG_ODDS = math.log(FREE_UP_TO / (1 - FREE_UP_TO))
 # Bits of a cell (see `sonarmap.MapScore`) by the log-odds of its true state, as a table with
@@ -33,7 +44,7 @@ def _bits(log_odds):
 
 @njit(cache=True)
 def _add_reading(
-    log_odds, sign, reachable, gains, shape, grid, x, y, axis_rad, half_angle,
+    log_odds, bits, kind, gains, shape, grid, x, y, axis_rad, half_angle,
     border, axis, edge, bearing, runs, cells,
 ):  # fmt: skip
     """Add one reading to one map, and what it gains to `gains`; see `add_fresh`."""
@@ -42,33 +53,33 @@ def _add_reading(
         border, axis, edge, bearing, runs, cells,
     )  # fmt: skip
     evidence = cells[5]
-    n, bits, new_cells, freed = 0, 0.0, 0, 0
+    n, gained, new_cells, freed = 0, 0.0, 0, 0
     for row in range(row_begin, row_end):
         first, count = runs[0, row], runs[1, row]
-        line, truths = log_odds[row, first : first + count], sign[row, first : first + count]
-        counts = reachable[row, first : first + count]
+        line, worth = log_odds[row, first : first + count], bits[row, first : first + count]
+        kinds = kind[row, first : first + count]
         for k in range(count):
-            added, old, truth = evidence[n + k], line[k], truths[k]
+            added, old = evidence[n + k], line[k]
             new = old + added
             line[k] = new
-            if truth == 0 or added == 0.0:
+            if kinds[k] == HIDDEN or added == 0.0:
                 continue
-            # Of a cell that is as right, or as wrong, as a score can tell, nothing changes.
-            if min(abs(old), abs(new)) < _LIMIT or old * new < 0.0:
-                bits += _bits(truth * new) - _bits(truth * old)
+            now = _bits(new if kinds[k] == OCCUPIED else -new)
+            gained += now - worth[k]
+            worth[k] = now
             new_cells += old == 0.0
-            if counts[k]:
+            if kinds[k] == REACHABLE:
                 freed += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
         n += count
-    gains[0] += bits
+    gains[0] += gained
     gains[1] += new_cells
     gains[2] += freed
 
 
 @njit(cache=True)
 def add_fresh(
-    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, number,
-    border, axis, edge, bearing, room,
+    states, rows, log_odds, bits, kind, gains, shapes, grids, mounts, half_angle, number,
+    border, axis, edge, bearing, cells, runs,
 ):  # fmt: skip
     """Add the readings of the last control step to the maps of robots.
 
@@ -78,8 +89,10 @@ def add_fresh(
         `sim.envs.states.robot_dtype`.
     rows : ndarray of int
         Which robots.
-    log_odds, sign, reachable : ndarray, shape (robots, rows, cols)
-        Their maps, changed in place, and the truth (`sim.envs.facts.RoomFacts`).
+    log_odds, bits : ndarray, shape (robots, rows, cols)
+        Their maps and what each cell of them scores, changed in place.
+    kind : ndarray of int8, shape (robots, rows, cols)
+        What the cells are: `HIDDEN`, `OCCUPIED`, `FREE` or `REACHABLE`, which is free as well.
     gains : ndarray, shape (robots, 3)
         Changed in place: bits gained and cells newly spoken of since it was cleared, and
         reachable cells that the map calls free.
@@ -93,10 +106,9 @@ def add_fresh(
         Which of the regions are a reading's; -1 if it says nothing.
     border, axis, edge : ndarray, shapes (regions, 3), (regions, 3, 2), (regions, 3, 2)
         `Regions` of the readings that say something.
-    room : int
-        Cells for which there must be memory.
+    cells, runs
+        Working memory, see `sonarmap._fusion.cone_evidence`.
     """
-    cells, runs = cone_memory(room), np.empty((2, log_odds.shape[1]), np.int64)
     for row in rows:
         for k in range(mounts.shape[0]):
             i = number[row, k]
@@ -105,7 +117,7 @@ def add_fresh(
             pose = states[row].fired_pose[k]
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
             _add_reading(
-                log_odds[row], sign[row], reachable[row], gains[row], shapes[row], grids[row],
+                log_odds[row], bits[row], kind[row], gains[row], shapes[row], grids[row],
                 pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
                 pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
                 pose[2] + mounts[k, 2],
@@ -115,15 +127,18 @@ def add_fresh(
 
 @njit(cache=True, parallel=True)
 def add_fresh_together(
-    states, rows, log_odds, sign, reachable, gains, shapes, grids, mounts, half_angle, number,
-    border, axis, edge, bearing, room, jobs,
+    states, rows, log_odds, bits, kind, gains, shapes, grids, mounts, half_angle, number,
+    border, axis, edge, bearing, cells, runs,
 ):  # fmt: skip
-    """Do as `add_fresh` on all cores, in so many parts."""
+    """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
+    jobs = runs.shape[0]
+    a, b, c, d, e, f = cells
     for job in prange(jobs):
         begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
         add_fresh(
-            states, rows[begin:end], log_odds, sign, reachable, gains, shapes, grids, mounts,
-            half_angle, number, border, axis, edge, bearing, room,
+            states, rows[begin:end], log_odds, bits, kind, gains, shapes, grids, mounts,
+            half_angle, number, border, axis, edge, bearing,
+            (a[job], b[job], c[job], d[job], e[job], f[job]), runs[job],
         )  # fmt: skip
 
 

@@ -9,6 +9,10 @@ from numpy.typing import NDArray
 
 from sim.envs.facts import RoomFacts
 from sim.envs.map_kernel import (
+    FREE,
+    HIDDEN,
+    OCCUPIED,
+    REACHABLE,
     add_fresh,
     add_fresh_together,
     see_patches,
@@ -57,32 +61,30 @@ class RobotMaps:
         self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
         self._facts: list[RoomFacts | None] = [None] * robots
         self._log_odds = np.zeros((robots, 1, 1))
-        self._sign = np.zeros((robots, 1, 1), np.int8)
-        self._reachable = np.zeros((robots, 1, 1), bool)
+        self._bits = np.zeros((robots, 1, 1))
+        self._kind = np.zeros((robots, 1, 1), np.int8)
         self._shapes = np.ones((robots, 2), np.int64)
         self._grids = np.ones((robots, 3))
         self._gains = np.zeros((robots, 3))
-        self._room = 1
+        self._need(1, 1)
 
     def begin(self, row: int, facts: RoomFacts) -> None:
         """Begin an empty map of a room."""
         grid = facts.grid
         self._facts[row] = facts
         self._grow(*grid.shape)
-        here = slice(grid.rows), slice(grid.cols)
-        for array, values in (
-            (self._log_odds, 0.0),
-            (self._sign, facts.sign),
-            (self._reachable, facts.reachable),
-        ):
-            array[row] = 0
-            array[row][here] = values
+        self._log_odds[row] = 0.0
+        self._bits[row] = 0.0
+        self._kind[row] = HIDDEN
+        kind = self._kind[row, : grid.rows, : grid.cols]
+        kind[facts.sign == 1] = OCCUPIED
+        kind[facts.sign == -1] = FREE
+        kind[facts.reachable] = REACHABLE
         self._shapes[row] = grid.shape
         self._grids[row] = *grid.origin_xy_m, grid.resolution_m
         self._gains[row] = 0.0
-        # Of all rooms so far: a cone needs at most so much memory.
         reach_m = self._model.regions(np.array([self._limit_m])).reach_m
-        self._room = max(self._room, cone_room(*grid.shape, grid.resolution_m, reach_m))
+        self._need(cone_room(*grid.shape, grid.resolution_m, reach_m), grid.rows)
 
     def add(self, states: NDArray[np.void], rows: NDArray[np.int64]) -> None:
         """Add the readings of the last control step to the maps of some robots.
@@ -99,8 +101,8 @@ class RobotMaps:
             states,
             rows,
             self._log_odds,
-            self._sign,
-            self._reachable,
+            self._bits,
+            self._kind,
             self._gains,
             self._shapes,
             self._grids,
@@ -111,12 +113,11 @@ class RobotMaps:
             regions.axis,
             regions.edge,
             self._bearing,
-            self._room,
         )
         if rows.size < _FEW:
-            add_fresh(*work)
+            add_fresh(*work, tuple(part[0] for part in self._cells), self._runs[0])
         else:
-            add_fresh_together(*work, _JOBS)
+            add_fresh_together(*work, self._cells, self._runs)
 
     @property
     def bits_gained(self) -> NDArray[np.float64]:
@@ -146,12 +147,23 @@ class RobotMaps:
         assert facts is not None, "asked before begin"
         return OccupancyMap(facts.grid, self._log_odds[row, : facts.grid.rows, : facts.grid.cols])
 
+    def _need(self, room: int, rows: int) -> None:
+        """Hold working memory for cones of so many cells and rows, a row of it for each job.
+
+        It is kept: to get it anew at every step would cost as much as the work.
+        """
+        had = (self._cells[0].shape[1], self._runs.shape[2]) if hasattr(self, "_runs") else (0, 0)
+        room, rows = max(room, had[0]), max(rows, had[1])
+        if (room, rows) != had:
+            self._cells = tuple(np.empty((_JOBS, room)) for _ in range(6))
+            self._runs = np.empty((_JOBS, 2, rows), np.int64)
+
     def _grow(self, rows: int, cols: int) -> None:
         robots, had_rows, had_cols = self._log_odds.shape
         shape = robots, max(rows, had_rows), max(cols, had_cols)
         if shape == self._log_odds.shape:
             return
-        for name in ("_log_odds", "_sign", "_reachable"):
+        for name in ("_log_odds", "_bits", "_kind"):
             old = getattr(self, name)
             new = np.zeros(shape, old.dtype)
             new[:, :had_rows, :had_cols] = old
