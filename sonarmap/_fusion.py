@@ -170,6 +170,11 @@ def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     right_x = axis_x * cos_half + axis_y * sin_half
     right_y = axis_y * cos_half - axis_x * sin_half
 
+    # Divisions once a cone, not once a row: what rounding may do to them the slack forgives.
+    per_cell = 1.0 / resolution
+    left_slope = left_x / left_y if abs(left_y) > _TINY else 0.0
+    right_slope = right_x / right_y if abs(right_y) > _TINY else 0.0
+
     # Rows of the cone: between its corners, or up to the arc where it holds the y direction.
     top = reach if axis_y > cos_half else reach * max(0.0, left_y, right_y)
     bottom = -reach if axis_y < -cos_half else reach * min(0.0, left_y, right_y)
@@ -187,15 +192,15 @@ def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         high = math.sqrt(half_chord_squared)
         low = -high
         if left_y > _TINY:
-            low = max(low, v * left_x / left_y)
+            low = max(low, v * left_slope)
         elif left_y < -_TINY:
-            high = min(high, v * left_x / left_y)
+            high = min(high, v * left_slope)
         if right_y > _TINY:
-            high = min(high, v * right_x / right_y)
+            high = min(high, v * right_slope)
         elif right_y < -_TINY:
-            low = max(low, v * right_x / right_y)
-        begin = max(0, math.floor((start_x + low) / resolution - _SLACK))
-        end = min(cols, math.ceil((start_x + high) / resolution + _SLACK) + 1)
+            low = max(low, v * right_slope)
+        begin = max(0, math.floor((start_x + low) * per_cell - _SLACK))
+        end = min(cols, math.ceil((start_x + high) * per_cell + _SLACK) + 1)
         if end <= begin:
             continue
         first[row], count[row] = begin, end - begin
