@@ -59,8 +59,8 @@ class NavigateEnv(SonarEnv):
     Terms of the reward (weights: `NavigateWeights`)
     ------------------------------------------------
     ``progress``: metres by which the way to the goal has become shorter, around obstacles.
-    ``arrival``: 1 on arrival. ``collision``: 1 if the robot touched something. ``effort``: mean
-    square of the wanted wheel speeds over 0.75 m/s. ``time``: 1.
+    ``arrival``: 1 on arrival. ``collision``: 1 if the robot touched something. ``stuck``: 1 if that
+    ends the episode. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s. ``time``: 1.
 
     Ends
     ----

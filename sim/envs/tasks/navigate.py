@@ -28,6 +28,7 @@ class NavigateWeights:
     progress: float = 1.0
     arrival: float = 5.0
     collision: float = -0.2
+    stuck: float = -5.0
     effort: float = -0.01
     time: float = -0.01
 
@@ -103,7 +104,7 @@ class Navigate:
             progress_m,
             arrived,
         )
-        terms = navigate_terms(progress_m, arrived, moment.states["touched"], moment.effort)
+        terms = navigate_terms(progress_m, arrived, states["touched"], moment.stuck, moment.effort)
         return Verdict(
             terms,
             weighted(terms, self._weights),
@@ -129,6 +130,7 @@ def navigate_terms(
     progress_m: NDArray[np.float64],
     arrived: NDArray[np.bool_],
     touched: NDArray[np.bool_],
+    stuck: NDArray[np.bool_],
     effort: NDArray[np.float64],
 ) -> dict[str, NDArray[np.float64]]:
     """Return the terms of the reward of one control step.
@@ -137,8 +139,8 @@ def navigate_terms(
     ----------
     progress_m : ndarray
         How much shorter the way to the goal has become, metres.
-    arrived, touched : ndarray of bool
-        Whether the robot is there, and whether it touched something.
+    arrived, touched, stuck : ndarray of bool
+        Whether the robot is there, whether it touched something, and whether it has for too long.
     effort : ndarray
         See `Moment`.
     """
@@ -146,6 +148,7 @@ def navigate_terms(
         "progress": progress_m,
         "arrival": arrived.astype(float),
         "collision": touched.astype(float),
+        "stuck": stuck.astype(float),
         "effort": effort,
         "time": np.ones(len(effort)),
     }

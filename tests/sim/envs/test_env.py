@@ -70,6 +70,12 @@ def test_gymnasiums_own_checker_is_content(name, option):
     env.close()
 
 
+def test_gymnasiums_checker_is_content_with_the_frames(name, monkeypatch):
+    pytest.importorskip("pygame")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    check_env(make(name, render_mode="rgb_array").unwrapped)
+
+
 @pytest.mark.parametrize("option", QUICK)
 def test_every_observation_is_in_its_space_and_no_element_is_constant(name, option):
     env = make(name, **OPTIONS[option])

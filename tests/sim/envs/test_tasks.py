@@ -53,8 +53,9 @@ class Gains:
         # a better map and new area
         (explore_terms(np.array([1.5]), np.array([0.4]), NO, np.array([0.0])), [1.5, 0.4, 0, 0]),
         # nearer, not there; there
-        (navigate_terms(np.array([0.1]), NO, NO, np.array([0.2])), [0.1, 0, 0, 0.2, 1]),
-        (navigate_terms(np.array([-0.1]), ~NO, ~NO, np.array([0.0])), [-0.1, 1, 1, 0, 1]),
+        (navigate_terms(np.array([0.1]), NO, NO, NO, np.array([0.2])), [0.1, 0, 0, 0, 0.2, 1]),
+        (navigate_terms(np.array([-0.1]), ~NO, ~NO, NO, np.array([0.0])), [-0.1, 1, 1, 0, 0, 1]),
+        (navigate_terms(np.array([0.0]), NO, ~NO, ~NO, np.array([0.0])), [0, 0, 1, 1, 0, 1]),
         # at full speed at the right distance; backwards; far from any wall
         (follow_terms(np.ones(1), np.array([0.1 * SPEED_MAX_MPS]), NO, np.zeros(1)), [1, 0, 0]),
         (follow_terms(np.ones(1), np.array([-0.0375]), ~NO, np.zeros(1)), [-0.5, 1, 0]),
