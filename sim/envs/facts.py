@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from sim.amigobot import BODY_RADIUS_M
@@ -148,7 +148,7 @@ class RoomFacts:
         return rows, cols
 
     @cached_property
-    def _graph(self) -> coo_array:
+    def _graph(self) -> csr_array:
         """Steps between neighbouring reachable cells and their lengths."""
         number = np.full(self.grid.shape, -1)
         number[self.reachable] = np.arange(self.reachable_cells)
@@ -162,12 +162,13 @@ class RoomFacts:
             length.append(np.full(both.sum(), math.hypot(down, right) * self.grid.resolution_m))
         cells = self.reachable_cells
         steps = np.concatenate(length), (np.concatenate(begin), np.concatenate(end))
-        return coo_array(steps, shape=(cells, cells)).tocsr()
+        there = coo_array(steps, shape=(cells, cells)).tocsr()
+        return there + there.T
 
     def _way_from(self, row: int, col: int) -> NDArray[np.float32]:
         number = int(self.reachable.ravel()[: row * self.grid.cols + col].sum())
         way_m = np.full(self.grid.shape, np.inf, np.float32)
-        way_m[self.reachable] = dijkstra(self._graph, directed=False, indices=number)
+        way_m[self.reachable] = dijkstra(self._graph, indices=number)
         return way_m
 
 
