@@ -66,7 +66,8 @@ class RobotMaps:
         self._shapes = np.ones((robots, 2), np.int64)
         self._grids = np.ones((robots, 3))
         self._gains = np.zeros((robots, 3))
-        self._need(1, 1)
+        self._cells = tuple(np.empty((_JOBS, 1)) for _ in range(6))
+        self._runs = np.empty((_JOBS, 2, 1), np.int64)
 
     def begin(self, row: int, facts: RoomFacts) -> None:
         """Begin an empty map of a room."""
@@ -152,9 +153,8 @@ class RobotMaps:
 
         It is kept: to get it anew at every step would cost as much as the work.
         """
-        had = (self._cells[0].shape[1], self._runs.shape[2]) if hasattr(self, "_runs") else (0, 0)
-        room, rows = max(room, had[0]), max(rows, had[1])
-        if (room, rows) != had:
+        room, rows = max(room, self._cells[0].shape[1]), max(rows, self._runs.shape[2])
+        if room > self._cells[0].shape[1] or rows > self._runs.shape[2]:
             self._cells = tuple(np.empty((_JOBS, room)) for _ in range(6))
             self._runs = np.empty((_JOBS, 2, rows), np.int64)
 
