@@ -17,6 +17,7 @@ __all__ = [
     "REACHABLE",
     "add_fresh",
     "add_fresh_together",
+    "fresh_echoes",
     "see_patches",
     "see_patches_together",
 ]
@@ -74,6 +75,36 @@ def _add_reading(
     gains[0] += gained
     gains[1] += new_cells
     gains[2] += freed
+
+
+@njit(cache=True)
+def fresh_echoes(states, limit_m):
+    """Return the ranges of what was heard in the last control step, and which of them is whose.
+
+    Parameters
+    ----------
+    states : structured ndarray, shape (robots,)
+        `sim.envs.states.robot_dtype`.
+    limit_m : float
+        Longer readings say nothing.
+
+    Returns
+    -------
+    range_m : ndarray, shape (readings,)
+    number : ndarray of int, shape (robots, sonars)
+        Which reading is a sonar's; -1 for none.
+    """
+    sonars = states[0].range_m.size
+    number = np.full((states.size, sonars), -1)
+    range_m = np.empty(states.size * sonars)
+    count = 0
+    for robot in range(states.size):
+        state = states[robot]
+        for k in range(sonars):
+            if state.fresh[k] and 0.0 <= state.range_m[k] <= limit_m:
+                number[robot, k], range_m[count] = count, state.range_m[k]
+                count += 1
+    return range_m[:count], number
 
 
 @njit(cache=True)

@@ -15,6 +15,7 @@ from sim.envs.map_kernel import (
     REACHABLE,
     add_fresh,
     add_fresh_together,
+    fresh_echoes,
     see_patches,
     see_patches_together,
 )
@@ -93,11 +94,8 @@ class RobotMaps:
         `bits_gained` and `new_cells` are then those of this call.
         """
         self._gains[rows, :2] = 0.0
-        range_m = states["range_m"]
-        echo = (states["fresh"] != 0) & (range_m >= 0) & (range_m <= self._limit_m)
-        regions = self._model.regions(range_m[echo])
-        number = np.full(echo.shape, -1)
-        number[echo] = np.arange(len(regions.border_m))
+        range_m, number = fresh_echoes(states, self._limit_m)
+        regions = self._model.regions(range_m)
         work = (
             states,
             rows,
