@@ -45,7 +45,7 @@ def _bits(log_odds):
 
 @njit(cache=True)
 def _add_reading(
-    log_odds, bits, kind, gains, shape, grid, x, y, axis_rad, half_angle,
+    log_odds, kind, gains, shape, grid, x, y, axis_rad, half_angle,
     border, axis, edge, bearing, runs, cells,
 ):  # fmt: skip
     """Add one reading to one map, and what it gains to `gains`; see `add_fresh`."""
@@ -57,7 +57,7 @@ def _add_reading(
     n, gained, new_cells, freed = 0, 0.0, 0, 0
     for row in range(row_begin, row_end):
         first, count = runs[0, row], runs[1, row]
-        line, worth = log_odds[row, first : first + count], bits[row, first : first + count]
+        line = log_odds[row, first : first + count]
         kinds = kind[row, first : first + count]
         for k in range(count):
             added, old = evidence[n + k], line[k]
@@ -65,9 +65,9 @@ def _add_reading(
             line[k] = new
             if kinds[k] == HIDDEN or added == 0.0:
                 continue
-            now = _bits(new if kinds[k] == OCCUPIED else -new)
-            gained += now - worth[k]
-            worth[k] = now
+            truth = 1.0 if kinds[k] == OCCUPIED else -1.0
+            # Looked up twice: to keep what a cell scores in memory would cost more.
+            gained += _bits(truth * new) - _bits(truth * old)
             new_cells += old == 0.0
             if kinds[k] == REACHABLE:
                 freed += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
@@ -109,7 +109,7 @@ def fresh_echoes(states, limit_m):
 
 @njit(cache=True)
 def add_fresh(
-    states, rows, log_odds, bits, kind, gains, shapes, grids, mounts, half_angle, number,
+    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
     border, axis, edge, bearing, cells, runs,
 ):  # fmt: skip
     """Add the readings of the last control step to the maps of robots.
@@ -120,8 +120,8 @@ def add_fresh(
         `sim.envs.states.robot_dtype`.
     rows : ndarray of int
         Which robots.
-    log_odds, bits : ndarray, shape (robots, rows, cols)
-        Their maps and what each cell of them scores, changed in place.
+    log_odds : ndarray, shape (robots, rows, cols)
+        Their maps, changed in place.
     kind : ndarray of int8, shape (robots, rows, cols)
         What the cells are: `HIDDEN`, `OCCUPIED`, `FREE` or `REACHABLE`, which is free as well.
     gains : ndarray, shape (robots, 3)
@@ -148,7 +148,7 @@ def add_fresh(
             pose = states[row].fired_pose[k]
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
             _add_reading(
-                log_odds[row], bits[row], kind[row], gains[row], shapes[row], grids[row],
+                log_odds[row], kind[row], gains[row], shapes[row], grids[row],
                 pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
                 pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
                 pose[2] + mounts[k, 2],
@@ -158,7 +158,7 @@ def add_fresh(
 
 @njit(cache=True, parallel=True)
 def add_fresh_together(
-    states, rows, log_odds, bits, kind, gains, shapes, grids, mounts, half_angle, number,
+    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
     border, axis, edge, bearing, cells, runs,
 ):  # fmt: skip
     """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
@@ -167,7 +167,7 @@ def add_fresh_together(
     for job in prange(jobs):
         begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
         add_fresh(
-            states, rows[begin:end], log_odds, bits, kind, gains, shapes, grids, mounts,
+            states, rows[begin:end], log_odds, kind, gains, shapes, grids, mounts,
             half_angle, number, border, axis, edge, bearing,
             (a[job], b[job], c[job], d[job], e[job], f[job]), runs[job],
         )  # fmt: skip

@@ -62,7 +62,6 @@ class RobotMaps:
         self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
         self._facts: list[RoomFacts | None] = [None] * robots
         self._log_odds = np.zeros((robots, 1, 1))
-        self._bits = np.zeros((robots, 1, 1))
         self._kind = np.zeros((robots, 1, 1), np.int8)
         self._shapes = np.ones((robots, 2), np.int64)
         self._grids = np.ones((robots, 3))
@@ -76,7 +75,6 @@ class RobotMaps:
         self._facts[row] = facts
         self._grow(*grid.shape)
         self._log_odds[row] = 0.0
-        self._bits[row] = 0.0
         self._kind[row] = HIDDEN
         kind = self._kind[row, : grid.rows, : grid.cols]
         kind[facts.sign == 1] = OCCUPIED
@@ -100,7 +98,6 @@ class RobotMaps:
             states,
             rows,
             self._log_odds,
-            self._bits,
             self._kind,
             self._gains,
             self._shapes,
@@ -161,7 +158,7 @@ class RobotMaps:
         shape = robots, max(rows, had_rows), max(cols, had_cols)
         if shape == self._log_odds.shape:
             return
-        for name in ("_log_odds", "_bits", "_kind"):
+        for name in ("_log_odds", "_kind"):
             old = getattr(self, name)
             new = np.zeros(shape, old.dtype)
             new[:, :had_rows, :had_cols] = old
