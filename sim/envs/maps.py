@@ -56,7 +56,7 @@ class RobotMaps:
     def __init__(
         self, robots: int, ring: SonarRing, model: SensorModel, max_range_m: float = math.inf
     ) -> None:
-        self._ring, self._model = ring, model
+        self._model = model
         self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
         self._bearing = bearing_polynomial(model.half_angle_rad)
         self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
