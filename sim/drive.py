@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sim import amigobot
 from sim.engine import Engine
+from sim.firing import Firing
 from sim.odometry import Odometer
-from sonarmap import InputError
+from sonarmap import InputError, SonarRing
 from worlds import Pose
 
-__all__ = ["Drive", "check_steps", "physics_steps"]
+__all__ = ["Drive", "check_firing", "check_steps", "physics_steps", "transducers"]
 
 
 class Drive:
@@ -59,6 +63,21 @@ class Drive:
         """Return whether the robot touched something since the last call."""
         touched, self._touched = self._touched, False
         return touched
+
+
+def transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the places (k, 2) and the axes (k,) of a ring's sonars at a pose."""
+    places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
+    return places, pose.heading_rad + ring.heading_rad
+
+
+def check_firing(firing: Firing, sonars: int) -> None:
+    """Raise `InputError` if a ring of so many sonars cannot fire between steps of the physics."""
+    firing.check(sonars)
+    offsets = {slot.offset_s for scan in (0, 1) for slot in firing.slots(scan, sonars)}
+    check_steps("scan_period_s", firing.period_s)
+    for offset_s in sorted(offsets - {0.0}):
+        check_steps("the time between firings", offset_s)
 
 
 def physics_steps(time_s: float) -> int:

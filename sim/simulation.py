@@ -7,19 +7,17 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim import drivers, sonars
 from sim.acoustics import Sonar
-from sim.drive import Drive, check_steps
+from sim.drive import Drive, check_firing, check_steps, transducers
 from sim.drivers import Driver, Sensed
 from sim.engine import open_engine
-from sim.firing import Firing
 from sim.odometry import Odometer, OdometryModel
 from sim.packets import StatusPackets
 from sim.recorder import Recorder
-from sonarmap import InputError, SonarLog, SonarRing
-from worlds import Pose, World
+from sonarmap import InputError, SonarLog
+from worlds import World
 
 __all__ = ["simulate"]
 
@@ -84,8 +82,9 @@ def simulate(
     driver_used = drivers.driver(driver, world) if isinstance(driver, str) else driver
     odometry = OdometryModel() if odometry is None else odometry
     firing, ring = sonar_used.firing, sonar_used.ring
-    firing.check(len(ring))
-    _check_times(firing, len(ring), packets)
+    check_firing(firing, len(ring))
+    if packets is not None:
+        check_steps("packets.period_s", packets.period_s)
 
     # A stream each, so that one does not shift when another draws more.
     noise_rng, odometry_rng, driver_rng = np.random.default_rng(seed).spawn(3)
@@ -145,22 +144,6 @@ def _teller(
             told += 1
 
     return tell
-
-
-def transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return true places (k, 2) and axes (k,) of the sonars."""
-    places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
-    return places, pose.heading_rad + ring.heading_rad
-
-
-def _check_times(firing: Firing, sonars: int, packets: StatusPackets | None) -> None:
-    """Check that whatever happens happens between two steps of the physics."""
-    offsets = {slot.offset_s for scan in (0, 1) for slot in firing.slots(scan, sonars)}
-    check_steps("scan_period_s", firing.period_s)
-    for offset_s in sorted(offsets - {0.0}):
-        check_steps("the time between firings", offset_s)
-    if packets is not None:
-        check_steps("packets.period_s", packets.period_s)
 
 
 def _told(part: object) -> dict[str, Any]:

@@ -71,6 +71,11 @@ class Faces:
             tuple(names),
         )
 
+    @property
+    def surface(self) -> NDArray[np.int32]:
+        """Index of the surface of each face, segments first, then circles."""
+        return np.concatenate([self.segment_surface, self.circle_surface])
+
     @cached_property
     def table(self) -> FaceTable:
         """The faces as compiled code takes them, metres."""
@@ -83,8 +88,7 @@ class Faces:
         x_m, y_m = origin_xy_m
         segments = (self.segments_m - (x_m, y_m, x_m, y_m)) / cell_m
         circles = (self.circles_m - (x_m, y_m, 0.0)) / cell_m
-        surface = np.concatenate([self.segment_surface, self.circle_surface])
-        return face_table([(segments, circles, surface)])
+        return face_table([(segments, circles, self.surface)])
 
     def cast(
         self, origins_xy_m: ArrayLike, directions_xy: ArrayLike, range_max_m: ArrayLike

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import count
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Sonar
+from sim.acoustics import Echoes, Sonar
 from sim.amigobot import WHEEL_RADIUS_M
-from sim.drive import Drive
+from sim.drive import Drive, transducers
 from sim.engine import open_engine
 from sim.envs.states import new_states
 from sim.odometry import Odometer, OdometryModel
@@ -159,9 +159,8 @@ class _Robot:
 
     def _fire(self, state: np.void, time_s: float, sonars: tuple[int, ...]) -> tuple[int, ...]:
         self.drive.until(time_s)
-        true, ring, numbers = self.drive.true_pose, self._sonar.ring, list(sonars)
-        places = ring.sensor_xy_m(slice(None), true.x_m, true.y_m, true.heading_rad)
-        self._ears.fire(time_s, sonars, places, true.heading_rad + ring.heading_rad)
+        true, numbers = self.drive.true_pose, list(sonars)
+        self._ears.fire(time_s, sonars, *transducers(self._sonar.ring, true))
         state["fired_s"][numbers] = time_s
         state["fired_true_pose"][numbers] = _columns(true)
         state["fired_pose"][numbers] = _columns(self.drive.believed_pose)
@@ -175,18 +174,8 @@ class _Robot:
                 yield scan * firing.period_s + slot.offset_s, slot.sonars
 
 
-# Fields of a state that tell what a sonar heard, as in `sim.Echoes`.
-_HEARD = (
-    "range_m",
-    "axis_range_m",
-    "cone_range_m",
-    "cause",
-    "surface",
-    "incidence_rad",
-    "bounces",
-    "source",
-    "level_db",
-)
+# Fields of a state that tell what a sonar heard.
+_HEARD = [field.name for field in fields(Echoes)]
 
 
 def _columns(pose: Pose) -> tuple[float, float, float]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from worlds import World
 from worlds.facetable import FaceTable, face_table
 
@@ -40,12 +38,8 @@ class Rooms:
         self.surfaces = max(len(known.solids) for known in self._worlds)
         self.table = face_table(
             [
-                (
-                    known.faces.segments_m,
-                    known.faces.circles_m,
-                    np.concatenate([known.faces.segment_surface, known.faces.circle_surface]),
-                )
-                for known in self._worlds
+                (faces.segments_m, faces.circles_m, faces.surface)
+                for faces in (known.faces for known in self._worlds)
             ]
         )
         return number

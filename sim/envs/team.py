@@ -11,7 +11,7 @@ from gymnasium.spaces import Box, Dict, MultiBinary, Space
 from numpy.typing import NDArray
 
 from sim.acoustics import Sonar
-from sim.drive import check_steps
+from sim.drive import check_firing, check_steps
 from sim.engine import ENGINES
 from sim.envs.actions import action_mode
 from sim.envs.batch.physics import BatchPhysics, is_simple
@@ -249,6 +249,7 @@ class Team:
 
     def _open(self, sonar: Sonar) -> _Gear:
         """Open physics and maps that suit a sonar."""
+        check_firing(sonar.firing, len(sonar.ring))
         spec, robots = self._spec, self._robots
         physics: Physics
         if spec.engine == "segments" and is_simple(sonar):

@@ -69,16 +69,7 @@ def test_the_walk_finds_what_a_look_at_every_face_finds(crowd, rng, reach_m):
 
 def test_rooms_of_one_table_do_not_meet(crowd, rng):
     others = [crowd.faces, worlds.load("clutter").faces, worlds.load("office").faces]
-    table = face_table(
-        [
-            (
-                faces.segments_m,
-                faces.circles_m,
-                np.concatenate([faces.segment_surface, faces.circle_surface]),
-            )
-            for faces in others
-        ]
-    )
+    table = face_table([(faces.segments_m, faces.circles_m, faces.surface) for faces in others])
     origins, directions = rays(rng, 500, 3.0)
     for room, faces in enumerate(others):
         alone = faces.cast(origins, directions, 4.0)

@@ -10,6 +10,7 @@ from gymnasium.utils.env_checker import check_env
 from rooms import closed_room
 
 import sim
+from sim import sonars
 from sim.envs.pictures.drawing import ROBOT_COLOURS
 from sim.envs.registration import IDS
 from sonarmap import InputError
@@ -351,6 +352,15 @@ def test_randomisation_draws_materials_noise_and_air_for_every_episode():
     assert len({tuple(s.material.name for s in each.world.solids) for each in settings}) > 1
 
 
+def test_a_sonar_that_fires_between_steps_of_the_physics_is_refused():
+    odd = sonars.preset("aria").replace(scan_period_s=0.001)
+    with pytest.raises(InputError, match=r"scan_period_s must be a multiple of 0.005 s, got 0.001"):
+        sim.envs.NavigateEnv(sonar=odd)
+    env = sim.envs.NavigateEnv()
+    with pytest.raises(InputError, match=r"scan_period_s must be a multiple of 0.005 s"):
+        env.reset(seed=0, options={"sonar": odd})
+
+
 def test_a_sonar_without_noise_cannot_be_randomised():
     env = make("sonarbed/Explore-v0", sonar="webots", randomisation={"noise": (1, 2)})
     with pytest.raises(InputError, match="'webots' has neither noise nor air"):
@@ -400,7 +410,8 @@ def test_a_window_shows_the_frames(monkeypatch):
     pytest.importorskip("pygame")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     env = make("sonarbed/Explore-v0", render_mode="human")
-    env.metadata["render_fps"] = 1000
+    # The metadata are the class's: what a test changes of them must not stay.
+    monkeypatch.setitem(env.metadata, "render_fps", 1000)
     env.reset(seed=0)
     env.step(env.action_space.sample())
     assert env.render() is None
