@@ -7,14 +7,14 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain, pairwise
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from sim import amigobot
+from sim.engine import ClosedByWith
 from sim.kinematics import limited_speeds
 from sonarmap.errors import InputError
 from worlds import Pose, RayHits, Solid, World
@@ -37,7 +37,7 @@ _SETTLE_S = 0.1
 _GRAVITY_MPS2 = 9.81
 
 
-class Bullet:
+class Bullet(ClosedByWith):
     """A world with an AmigoBot in PyBullet; use it by ``with``.
 
     Parameters
@@ -61,17 +61,6 @@ class Bullet:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Disconnect; closing twice is fine."""

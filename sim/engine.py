@@ -13,7 +13,7 @@ from sim.amigobot import BODY_RADIUS_M
 from sonarmap.errors import InputError, did_you_mean
 from worlds import Pose, RayHits, World
 
-__all__ = ["ENGINES", "Engine", "RayCaster", "open_engine"]
+__all__ = ["ENGINES", "ClosedByWith", "Engine", "RayCaster", "open_engine"]
 
 ENGINES = ("bullet", "segments")
 
@@ -67,6 +67,25 @@ class Engine(RayCaster, Protocol):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None: ...
+
+
+class ClosedByWith:
+    """What is closed when the ``with`` that uses it ends."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Release what is held; closing twice is fine."""
+        raise NotImplementedError
 
 
 def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool = False) -> Engine:

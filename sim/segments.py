@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import Self
-
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.amigobot import PHYSICS_DT_S
+from sim.engine import ClosedByWith
 from sim.kinematics import drive
 from worlds import Pose, RayHits, World
 from worlds.raycast import cast_rays
@@ -16,7 +14,7 @@ from worlds.raycast import cast_rays
 __all__ = ["Segments"]
 
 
-class Segments:
+class Segments(ClosedByWith):
     """A world with an AmigoBot, without masses and forces; use it by ``with``.
 
     Rays and walls are exact; wheels never slip; a robot that runs into something slides along
@@ -34,17 +32,6 @@ class Segments:
         self._table = world.faces.table
         self._pose = np.array([start.x_m, start.y_m, start.heading_rad], float)
         self._speeds_mps, self._turns_rad = np.zeros((2, 2))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""
