@@ -12,8 +12,8 @@ import numpy as np
 import sim
 import worlds
 from sim import AllAtOnce
-from sim.bullet import Bullet
-from sim.sonars import preset
+from sim.engines.bullet import Bullet
+from sim.sonar.presets import preset
 
 SCANS, STOPS = 200, 20
 

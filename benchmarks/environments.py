@@ -11,8 +11,8 @@ from time import perf_counter
 import gymnasium
 import numpy as np
 
-from sim import sonars  # importing sim registers the environments
 from sim.envs.registration import IDS
+from sim.sonar import presets as sonars  # importing sim registers the environments
 
 RUNS = 7
 SHORT, LONG = 100, 1000

@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 import sonarmap as sm
-from sonarmap.hsr import estimate_variant_walls
+from sonarmap.filters.hsr import estimate_variant_walls
 
 PARAMS = sm.HsrParams(0.02, 0.15, threshold_m=3.0, target_distance_m=0.06)
 SIDE_M = 3.2

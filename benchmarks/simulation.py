@@ -10,9 +10,11 @@ import numpy as np
 
 import sim
 import worlds
-from sim import amigobot, bullet, sonars
-from sim.bullet import Bullet
-from sim.engine import open_engine
+from sim.engines import bullet
+from sim.engines.bullet import Bullet
+from sim.engines.opening import open_engine
+from sim.robot import amigobot
+from sim.sonar import presets as sonars
 
 SCANS = 1000
 

@@ -5,19 +5,19 @@ Importing it registers the environments of `sim.envs` with Gymnasium, if that is
 
 from importlib.util import find_spec
 
-from sim.acoustics import Ears, Echoes, Sonar
-from sim.air import Air
-from sim.beacon import Beacon
-from sim.cone import ConeSonar
-from sim.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
-from sim.engine import Engine, RayCaster
-from sim.firing import AllAtOnce, Eeruf, Firing, InTurn
-from sim.odometry import OdometryModel
-from sim.packets import StatusPackets
-from sim.physical import PhysicalSonar
-from sim.piston import Piston
-from sim.receiver import Receiver
-from sim.simulation import simulate
+from sim.engines.protocol import Engine, RayCaster
+from sim.robot.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
+from sim.robot.odometry import OdometryModel
+from sim.runs.packets import StatusPackets
+from sim.runs.simulation import simulate
+from sim.sonar.air import Air
+from sim.sonar.cone.sonar import ConeSonar
+from sim.sonar.firing import AllAtOnce, Eeruf, Firing, InTurn
+from sim.sonar.physical.interferer import Beacon
+from sim.sonar.physical.piston import Piston
+from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.sonar import PhysicalSonar
+from sim.sonar.protocol import Ears, Echoes, Sonar
 
 __all__ = [
     "Air",

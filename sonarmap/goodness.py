@@ -21,9 +21,9 @@ from sonarmap.errors import InputError, positive
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.mapping import NoEcho, Poses, evidence_of, one_of, reading_limit_m
-from sonarmap.models import THESIS_UNIT_M, ParameterizedModel, Regions, SensorModel
+from sonarmap.methods.bayes.models import THESIS_UNIT_M, ParameterizedModel, Regions, SensorModel
 from sonarmap.occupancy import OccupancyMap
-from sonarmap.scores import OCCUPIED_FROM
+from sonarmap.scores.maps import OCCUPIED_FROM
 
 __all__ = [
     "RunComparison",
@@ -295,7 +295,7 @@ def _map_and_spread(
 
 
 def _fuse(grid: GridSpec, cones: _ConeLists, regions: Regions) -> tuple[OccupancyMap, Spread]:
-    from sonarmap._fusion import add_listed
+    from sonarmap.kernels.fusion import add_listed
 
     cells = grid.rows * grid.cols
     log_odds, seen, mean, deviation = (np.zeros(cells) for _ in range(4))
@@ -343,7 +343,10 @@ class _ConeLists:
         half_angle_rad: float,
         reach_m: NDArray[np.float64],
     ) -> None:
-        from sonarmap._fusion import bearing_polynomial, count_cells  # numba: loaded when mapping
+        from sonarmap.kernels.fusion import (  # numba: loaded when mapping
+            bearing_polynomial,
+            count_cells,
+        )
 
         self._where = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
         self._cones = (sensor_xy_m, axis_rad, reach_m)
@@ -360,7 +363,7 @@ class _ConeLists:
             yield rows, self._list(rows) if self._kept is None else self._kept
 
     def _list(self, rows: slice) -> _Lists:
-        from sonarmap._fusion import list_cones
+        from sonarmap.kernels.fusion import list_cones
 
         sensor_xy_m, axis_rad, reach_m = (values[rows] for values in self._cones)
         lists: _Lists = list_cones(

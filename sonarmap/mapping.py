@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sonarmap.errors import InputError, did_you_mean, positive
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
-from sonarmap.models import Regions, SensorModel
+from sonarmap.methods.bayes.models import Regions, SensorModel
 from sonarmap.occupancy import OccupancyMap
 
 __all__ = ["NoEcho", "Poses", "build_map", "grid_over"]
@@ -149,7 +149,10 @@ def _fuse(
     regions: Regions,
     limit: float,
 ) -> None:
-    from sonarmap._fusion import add_readings, bearing_polynomial  # numba: loaded when mapping
+    from sonarmap.kernels.fusion import (  # numba: loaded when mapping
+        add_readings,
+        bearing_polynomial,
+    )
 
     add_readings(
         log_odds,

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
+from pathlib import Path
 
 import numpy as np
 
 import sonarmap as sm
+
+# A real robot's log; it is not part of the repository, and tests that read it skip without it.
+REAL_LOG = Path(__file__).parents[2] / "shared" / "data" / "udacity-8sonar"
 
 # One sonar in the robot's middle that looks ahead: the simplest ring there is.
 ONE = sm.SonarRing("one", [0], [0], [0], math.radians(15), 0.1, 8.0)

@@ -79,7 +79,7 @@ def test_this_test_looks_at_something(tmp_path):
     assert len(sources("sonarmap")) > 10
     example = tmp_path / "example.py"
     example.write_text(
-        "import sim.bullet as b\nfrom worlds import load\nfrom . import near\n"
+        "import sim.engines.bullet as b\nfrom worlds import load\nfrom . import near\n"
         "def later():\n    import pybullet\n    importlib.import_module('gymnasium.envs')\n"
     )
     assert imported(example) == {"sim", "worlds", "pybullet", "gymnasium"}

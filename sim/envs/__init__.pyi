@@ -7,14 +7,14 @@ from .environments import (
     NavigateEnv,
     NavigateVectorEnv,
 )
+from .episode_batch import TeamSpec
 from .episodes import EpisodeOptions, Randomisation
 from .pictures.film import write_gif
-from .policies import Policy, frontier_policy, random_policy, wall_follow_policy
+from .policies.policies import Policy, frontier_policy, random_policy, wall_follow_policy
 from .recording import RecordLog, record_minari
 from .tasks.explore import ExploreWeights
 from .tasks.follow_wall import FollowWallWeights
 from .tasks.navigate import NavigateWeights
-from .team import TeamSpec
 from .vector import SonarVectorEnv
 
 __all__ = [

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete, Space
 from numpy.typing import NDArray
 
-from sim.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
+from sim.robot.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
 from sonarmap import InputError
 from sonarmap.errors import did_you_mean
 

@@ -10,13 +10,13 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.acoustics import Sonar
+from sim.envs.episode_batch import Team, TeamSpec
 from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
 from sim.envs.pictures.drawing import draw
 from sim.envs.pictures.window import Window
 from sim.envs.tasks.task import Task
-from sim.envs.team import Team, TeamSpec
-from sim.odometry import OdometryModel
+from sim.robot.odometry import OdometryModel
+from sim.sonar.protocol import Sonar
 from sonarmap import InputError, OccupancyMap
 from sonarmap.errors import did_you_mean
 
@@ -50,7 +50,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     0.87 rad/s. ``"wheels"``: float32 (2,) in [-1, 1], left and right wheel over 0.75 m/s.
     ``"discrete"``: 0 ahead, 1 and 2 in a curve to the left and right, 3 and 4 turn left and right
     in place, 5 back. Whatever is wanted, the robot's own limits of speed, turn rate and
-    acceleration hold (`sim.kinematics.limited_speeds`). A step is ``control_s``, 0.1 s.
+    acceleration hold (`sim.robot.kinematics.limited_speeds`). A step is ``control_s``, 0.1 s.
 
     Reward
     ------

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 
 import worlds
-from sim import sonars
-from sim.acoustics import Sonar
-from sim.air import Air
-from sim.amigobot import BODY_RADIUS_M
-from sim.cone import ConeSonar
+from sim.envs.backends.engine import Setting
 from sim.envs.facts import RoomFacts, facts_of
-from sim.envs.physics import Setting
 from sim.envs.tasks.task import Briefing
-from sim.odometry import OdometryModel
-from sim.physical import PhysicalSonar
+from sim.robot.amigobot import BODY_RADIUS_M
+from sim.robot.odometry import OdometryModel
+from sim.sonar import presets as sonars
+from sim.sonar.air import Air
+from sim.sonar.cone.sonar import ConeSonar
+from sim.sonar.physical.sonar import PhysicalSonar
+from sim.sonar.protocol import Sonar
 from sonarmap import InputError
 from sonarmap.errors import did_you_mean, positive
 from worlds import MATERIALS, Pose, World
@@ -69,7 +69,7 @@ class EpisodeOptions:
     world : str, Path, World or a sequence of them
         Name of a room (`worlds.names`), file or room; of several, one is drawn each episode.
     sonar : str or Sonar
-        Preset of `sim.sonars`, or a sonar.
+        Preset of `sim.sonar.presets`, or a sonar.
     odometry : OdometryModel, optional
         Errors of the odometry, by default the AmigoBot's.
     start : str or (float, float, float)

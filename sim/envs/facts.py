@@ -11,7 +11,7 @@ from scipy.ndimage import label
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from sim.amigobot import BODY_RADIUS_M
+from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import GridSpec, InputError
 from worlds import FREE, OCCUPIED, Pose, World, truth
 from worlds.raycast import clearance

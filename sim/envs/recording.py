@@ -12,10 +12,10 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
-from sim.acoustics import Echoes
 from sim.envs.env import Observation
-from sim.envs.policies import Policy
-from sim.recorder import Recorder
+from sim.envs.policies.policies import Policy
+from sim.runs.recorder import Recorder
+from sim.sonar.protocol import Echoes
 from sonarmap import InputError, SonarLog
 from worlds import Pose
 

@@ -6,7 +6,7 @@ import math
 
 from numba import njit
 
-from sim.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
+from sim.robot.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
 
 __all__ = ["keep_account", "sense"]
 

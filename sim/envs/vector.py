@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from sim.envs.env import Observation, SonarEnv
-from sim.envs.team import Team, parted
+from sim.envs.episode_batch import Team, parted
 from sonarmap import InputError
 
 __all__ = ["SonarVectorEnv"]

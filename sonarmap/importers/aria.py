@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from sonarmap.errors import InputError, did_you_mean, positive
-from sonarmap.importers._table import Table, csv_rows, log_of, ranges_m, unwrapped_rad
+from sonarmap.importers.table import Table, csv_rows, log_of, ranges_m, unwrapped_rad
 from sonarmap.log import SonarLog
 from sonarmap.rings import SonarRing
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sonarmap.errors import InputError
-from sonarmap.importers._table import Table, log_of, ranges_m, unwrapped_rad, word_rows
+from sonarmap.importers.table import Table, log_of, ranges_m, unwrapped_rad, word_rows
 from sonarmap.log import SonarLog
 from sonarmap.rings import SonarRing
 from sonarmap.rings import ring as ring_called

@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import REAL_LOG
 
 import sonarmap as sm
 from sonarmap.importers import FORMATS
@@ -328,12 +329,10 @@ def test_an_imported_log_can_be_written_and_read(udacity, tmp_path):
 
 # --- the real log --------------------------------------------------------------------------------
 
-REAL = Path(__file__).parents[2] / "../shared/data/udacity-8sonar"
 
-
-@pytest.mark.skipif(not REAL.is_dir(), reason="the real log is not part of the repository")
+@pytest.mark.skipif(not REAL_LOG.is_dir(), reason="the real log is not part of the repository")
 def test_the_real_corridor_log():
-    log = sm.import_log([REAL / "measurement.txt", REAL / "poses.txt"], "udacity")
+    log = sm.import_log([REAL_LOG / "measurement.txt", REAL_LOG / "poses.txt"], "udacity")
     assert len(log) == 3304
     assert log.scan[-1] + 1 == 413
     assert log.time_s[-1] - log.time_s[0] == pytest.approx(92.8, abs=0.05)
@@ -350,9 +349,9 @@ def test_the_real_corridor_log():
     assert max(stale) == pytest.approx(0.88, abs=0.01)
 
 
-@pytest.mark.skipif(not REAL.is_dir(), reason="the real log is not part of the repository")
+@pytest.mark.skipif(not REAL_LOG.is_dir(), reason="the real log is not part of the repository")
 def test_the_real_corridors_map_is_an_l_of_free_space_between_walls():
-    log = sm.import_log([REAL / "measurement.txt", REAL / "poses.txt"], "udacity")
+    log = sm.import_log([REAL_LOG / "measurement.txt", REAL_LOG / "poses.txt"], "udacity")
     model = sm.ParameterizedModel(0.02, 0.15, 0.1, 0.98, math.radians(10))
     m = sm.build_map(sm.mark_stale(log), model, max_range_m=2.0)
 

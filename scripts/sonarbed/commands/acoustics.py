@@ -23,10 +23,10 @@ def acoustics(
 
     Example: sonarbed acoustics --quick --out acoustics
     """
-    from sonarbed.acoustics import PARTS, load
     from sonarbed.console import progress, say
-    from sonarbed.report import write_report
-    from sonarbed.studies.setting import Setting
+    from sonarbed.reporting.report import write_report
+    from sonarbed.reporting.setting import Setting
+    from sonarbed.studies.acoustics import PARTS, load
     from sonarmap.errors import InputError
 
     if jobs < 1:

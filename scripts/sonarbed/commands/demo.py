@@ -30,7 +30,7 @@ def demo(
     import sonarmap as sm
     import worlds
     from sonarbed.console import as_json, print_table, progress, say, score_rows
-    from sonarbed.pictures import draw_demo
+    from sonarbed.reporting.pictures import draw_demo
     from sonarmap.files import atomic_path, make_folder
 
     room = worlds.load(world)

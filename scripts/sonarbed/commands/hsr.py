@@ -67,7 +67,7 @@ def hsr(
         score = None if before.truth is None else sm.score_readings(before, result.log)
         result.log.write(out)
         if png is not None:
-            from sonarbed.hsr_picture import draw_hsr
+            from sonarbed.reporting.hsr_picture import draw_hsr
 
             draw_hsr(before, result, params, png)
     facts = _facts(before, result)

@@ -78,7 +78,7 @@ def map_(
         )
         built.save(out)
         if png is not None:
-            from sonarbed.pictures import draw_map
+            from sonarbed.reporting.pictures import draw_map
 
             draw_map(built, readings, png)
     if as_json:

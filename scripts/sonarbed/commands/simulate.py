@@ -64,7 +64,7 @@ def simulate(
     room = load_world(world, setting)
     arguments = {"scans": scans, "driver": driver, "sonar": sonar, "engine": engine}
     if packets:
-        from sim.packets import StatusPackets
+        from sim.runs.packets import StatusPackets
 
         arguments["packets"] = StatusPackets()
     if ":" in seed:
@@ -81,7 +81,7 @@ def simulate(
 
 def _one(room: World, out: Path, seed: int, arguments: dict[str, Any]) -> dict[str, Any]:
     import sim
-    from sim.batch import log_entry
+    from sim.runs.many import log_entry
     from sonarbed.console import progress
 
     check_writable(out)
@@ -95,7 +95,7 @@ def _one(room: World, out: Path, seed: int, arguments: dict[str, Any]) -> dict[s
 def _many(
     room: World, folder: Path, seeds: range, jobs: int, arguments: dict[str, Any]
 ) -> dict[str, Any]:
-    from sim.batch import simulate_many
+    from sim.runs.many import simulate_many
     from sonarbed.console import progress
 
     with progress() as bars:

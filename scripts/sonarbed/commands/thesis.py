@@ -31,12 +31,12 @@ def thesis(
 
     Example: sonarbed thesis --quick --out report
     """
-    from sim.sonars import preset
+    from sim.sonar.presets import preset
     from sonarbed.console import progress, say
-    from sonarbed.report import write_report
-    from sonarbed.studies import STUDIES, load
-    from sonarbed.studies.section import Section
-    from sonarbed.studies.setting import Setting
+    from sonarbed.reporting.report import write_report
+    from sonarbed.reporting.section import Section
+    from sonarbed.reporting.setting import Setting
+    from sonarbed.studies.thesis import STUDIES, load
     from sonarmap.errors import InputError
 
     if jobs < 1:

@@ -13,8 +13,8 @@ from sonarbed.options import Json, check_writable
 if TYPE_CHECKING:
     from rich.progress import TaskID
 
-    from sonarbed.studies.statistics import Estimate
-    from sonarbed.tuning.judging import Judged
+    from sonarbed.reporting.statistics import Estimate
+    from sonarbed.studies.tuning.judging import Judged
 
 __all__ = ["tune"]
 
@@ -78,12 +78,12 @@ def tune(
         ) from None
     from sonarbed.console import as_json as json_text
     from sonarbed.console import print_json, print_table, progress, say
-    from sonarbed.tuning.judging import BEST, check_judges
-    from sonarbed.tuning.judging import judge as judge_in
-    from sonarbed.tuning.picture import draw_search
-    from sonarbed.tuning.search import Search, find
-    from sonarbed.tuning.settings import TuneSettings
-    from sonarbed.tuning.space import thesis_candidates
+    from sonarbed.studies.tuning.judging import BEST, check_judges
+    from sonarbed.studies.tuning.judging import judge as judge_in
+    from sonarbed.studies.tuning.picture import draw_search
+    from sonarbed.studies.tuning.search import Search, find
+    from sonarbed.studies.tuning.settings import TuneSettings
+    from sonarbed.studies.tuning.space import thesis_candidates
     from sonarmap.files import atomic_path
 
     settings = TuneSettings(target, model, sampler, score, _rooms(train), seeds, scans, max_range)

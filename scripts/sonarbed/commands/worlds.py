@@ -61,7 +61,7 @@ def _show(name: str, png: Path | None, setting: list[str] | None, as_json: bool)
     check_writable(png, ".png")
     world = load_world(name, setting)
     if png is not None:
-        from sonarbed.pictures import draw_world
+        from sonarbed.reporting.pictures import draw_world
 
         draw_world(world, png)
     if as_json:

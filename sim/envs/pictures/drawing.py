@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw
 
-from sim.amigobot import BODY_RADIUS_M
 from sim.envs.pictures.layout import BELIEVED_COLOUR, LEGEND, Layout, font, layout
+from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import Cause, GridSpec, InputError, SonarRing
 from sonarmap.errors import first_row
 from worlds import Pose, World

@@ -11,9 +11,9 @@ from gymnasium.spaces import Box
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.amigobot import SPEED_MAX_MPS
 from sim.envs.rooms import Rooms
 from sim.envs.tasks.task import Briefing, Moment, Verdict, weighted
+from sim.robot.amigobot import SPEED_MAX_MPS
 from worlds.raycast import first_hit
 
 __all__ = ["FollowWall", "FollowWallWeights", "closeness", "follow_terms"]

@@ -11,8 +11,8 @@ from gymnasium.spaces import Box
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.amigobot import BODY_RADIUS_M
 from sim.envs.tasks.task import Briefing, Moment, Verdict, weighted
+from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import InputError
 
 __all__ = ["Navigate", "NavigateWeights", "navigate_terms"]

@@ -11,7 +11,7 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from sim.envs.facts import RoomFacts
-from sim.envs.maps import RobotMaps
+from sim.envs.maps.robot_maps import RobotMaps
 from worlds import Pose
 
 __all__ = ["Briefing", "Moment", "Task", "Verdict", "weighted"]

@@ -10,9 +10,9 @@ from gymnasium.utils.env_checker import check_env
 from rooms import closed_room
 
 import sim
-from sim import sonars
 from sim.envs.pictures.drawing import ROBOT_COLOURS
 from sim.envs.registration import IDS
+from sim.sonar import presets as sonars
 from sonarmap import InputError
 from worlds import load
 

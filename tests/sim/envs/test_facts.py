@@ -5,8 +5,8 @@ import pytest
 from rooms import box, closed_room, world
 
 import worlds
-from sim.amigobot import BODY_RADIUS_M
 from sim.envs.facts import RoomFacts, facts_of
+from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import InputError
 from worlds import Pose
 

@@ -8,11 +8,12 @@ from support import make_log
 
 import sonarmap as sm
 import worlds
-from sim import OdometryModel, sonars
-from sim.envs.batch.physics import BatchPhysics
+from sim import OdometryModel
+from sim.envs.backends.compiled.backend import BatchPhysics
+from sim.envs.backends.engine import Setting
 from sim.envs.facts import facts_of
-from sim.envs.maps import RobotMaps
-from sim.envs.physics import Setting
+from sim.envs.maps.robot_maps import RobotMaps
+from sim.sonar import presets as sonars
 
 MODEL = sm.ParameterizedModel.thesis()
 SONAR = sonars.preset("aria")

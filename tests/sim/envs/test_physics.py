@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import worlds
-from sim import ConeSonar, OdometryModel, sonars
-from sim.envs.batch.physics import BatchPhysics, is_simple
+from sim import ConeSonar, OdometryModel
+from sim.envs.backends.compiled.backend import BatchPhysics, is_simple
+from sim.envs.backends.engine import EnginePhysics, Setting
 from sim.envs.facts import facts_of
-from sim.envs.physics import EnginePhysics, Setting
+from sim.sonar import presets as sonars
 from worlds import MATERIALS, Pose
 
 CONTROL_S = 0.1

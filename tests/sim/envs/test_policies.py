@@ -4,8 +4,8 @@ import pytest
 from rooms import closed_room
 
 import sim  # noqa: F401  registers the environments
-from sim.envs.policies import frontier_policy, random_policy, wall_follow_policy
-from sim.envs.policy_kernel import step_towards
+from sim.envs.policies.kernel import step_towards
+from sim.envs.policies.policies import frontier_policy, random_policy, wall_follow_policy
 from sonarmap import InputError
 
 

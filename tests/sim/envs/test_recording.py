@@ -7,8 +7,8 @@ import pytest
 import sim
 import sonarmap as sm
 import worlds
-from sim.envs.maps import MAP_MODEL
-from sim.envs.policies import random_policy, wall_follow_policy
+from sim.envs.maps.robot_maps import MAP_MODEL
+from sim.envs.policies.policies import random_policy, wall_follow_policy
 from sim.envs.recording import RecordLog, record_minari
 from sonarmap import InputError
 
@@ -47,7 +47,7 @@ def log():
 
 
 def test_a_log_has_each_reading_once_with_its_truth(log):
-    ring = sim.sonars.preset("aria").ring
+    ring = sim.sonar.presets.preset("aria").ring
     assert log.ring == ring
     assert len(log) == 41 * len(ring)  # at time 0 and in each step
     np.testing.assert_array_equal(log.scan, np.repeat(np.arange(41), len(ring)))

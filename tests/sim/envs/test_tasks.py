@@ -7,13 +7,13 @@ import pytest
 from rooms import closed_room
 
 import worlds
-from sim.amigobot import SPEED_MAX_MPS
 from sim.envs.facts import RoomFacts, facts_of
 from sim.envs.states import new_states
 from sim.envs.tasks.explore import Explore, ExploreWeights, explore_terms
 from sim.envs.tasks.follow_wall import FollowWall, closeness, follow_terms
 from sim.envs.tasks.navigate import Navigate, NavigateWeights, navigate_terms
 from sim.envs.tasks.task import Briefing, Moment, weighted
+from sim.robot.amigobot import SPEED_MAX_MPS
 from sonarmap import InputError
 from worlds import Pose
 

@@ -7,9 +7,9 @@ import shapely
 from PIL import ImageColor
 from rooms import box, closed_room, world
 
-from sim.amigobot import BODY_RADIUS_M
 from sim.envs.pictures.drawing import ROBOT_COLOURS, Scene, draw, frame_size
 from sim.envs.pictures.layout import LEGEND, layout
+from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import AMIGOBOT, Cause, GridSpec, InputError
 from worlds import Pose, Solid
 from worlds.colours import CAUSE_COLOURS, WALL_COLOUR

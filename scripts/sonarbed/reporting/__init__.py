@@ -1,0 +1,1 @@
+"""The kit that reports are made with: drives, statistics, drawing, sections."""

@@ -1,0 +1,39 @@
+"""The studies of the thesis report: each makes some of its figures and tables again.
+
+A study is a module with a function ``run(setting) -> Section``. It asks the setting for logs,
+writes its figures and tables through it, and says in a sentence what the numbers decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from sonarmap.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from sonarbed.reporting.section import Section
+    from sonarbed.reporting.setting import Setting
+
+__all__ = ["STUDIES", "load"]
+
+# In the order of the thesis; each is a module of this package.
+STUDIES = (
+    "sensor_models",
+    "two_models",
+    "goodness",
+    "data_points",
+    "target_distance",
+    "openings",
+    "wall_sizes",
+    "readings",
+)
+
+
+def load(name: str) -> Callable[[Setting], Section]:
+    """Return the function that runs the study called `name`, or raise `InputError`."""
+    if name not in STUDIES:
+        raise InputError(f"study {name!r} is unknown{did_you_mean(name, STUDIES)}")
+    run: Callable[[Setting], Section] = import_module(f"sonarbed.studies.thesis.{name}").run
+    return run

@@ -1,0 +1,351 @@
+"""The search: an Optuna study that several processes work on, and that goes on where it was.
+
+Every trial is a task of its own with a sampler of its own, seeded by the number of trials that
+were finished before it. One process therefore finds the same, whether it was interrupted or not.
+"""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import optuna
+from optuna.distributions import FloatDistribution
+from optuna.trial import FrozenTrial, TrialState
+from sqlalchemy import event
+from sqlalchemy.engine import make_url
+from sqlalchemy.exc import SQLAlchemyError
+
+from sonarbed.reporting.setting import Setting
+from sonarbed.studies.tuning.drives import load_drives, simulate_drive
+from sonarbed.studies.tuning.settings import TuneSettings
+from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
+from sonarmap.errors import InputError
+from sonarmap.files import make_folder
+
+__all__ = ["Found", "Search", "find"]
+
+OnProgress = Callable[[str, int, int], None]
+
+# Generations of 20: ten of them in a search of 200 trials.
+_POPULATION = 20
+# Processes that share an SQLite file wait for one another this long, seconds.
+_SQLITE_WAIT_S = 60
+_SETTINGS = "sonarbed"
+
+
+@dataclass(frozen=True)
+class Search:
+    """A search and where it is kept.
+
+    Parameters
+    ----------
+    settings : TuneSettings
+        What is searched.
+    folder : Path
+        Where the drives go, into ``logs``.
+    storage : str
+        URL of Optuna's storage.
+    study_name : str
+        Name of the study in it.
+    seed : int
+        Seed of the samplers, >= 0. Machines that share a study need different ones, or they
+        would all begin with the same points.
+    """
+
+    settings: TuneSettings
+    folder: Path
+    storage: str
+    study_name: str = "tune"
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.seed < 0:
+            raise InputError(f"seed must be >= 0, got {self.seed!r}")
+
+    @property
+    def logs(self) -> Path:
+        """Folder of the drives."""
+        return self.folder / "logs"
+
+    @property
+    def shown_storage(self) -> str:
+        """The storage's URL without its password."""
+        try:
+            return make_url(self.storage).render_as_string(hide_password=True)
+        except SQLAlchemyError:
+            return self.storage
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A finished trial: its number in the study, its candidate and its score."""
+
+    number: int
+    candidate: Candidate
+    score: float
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search has found: all finished trials in their order, and the best of them."""
+
+    trials: tuple[Trial, ...]
+    best: Trial
+
+
+def find(
+    search: Search,
+    *,
+    judges: Sequence[str] = (),
+    trials: int | None = None,
+    jobs: int = 1,
+    on_progress: OnProgress,
+) -> Found:
+    """Search until that many trials are finished, those of earlier runs included.
+
+    Parameters
+    ----------
+    search : Search
+        The search.
+    judges : sequence of str
+        Rooms that will be judged in: their drives are made together with those of the search.
+    trials : int, optional
+        How many, >= 1; by default 200, or all 1440 of the grid.
+    jobs : int
+        Processes that work at once, >= 1.
+    on_progress : callable
+        Called with a label, how much is done, and how much there is.
+
+    Returns
+    -------
+    Found
+
+    Raises
+    ------
+    InputError
+        If a number breaks its rule, the storage cannot be used, or its study was made with other
+        settings.
+    """
+    grid = len(thesis_points()) if search.settings.sampler == "grid" else None
+    wanted = (grid or 200) if trials is None else trials
+    if wanted < 1 or (grid is not None and wanted > grid):
+        raise InputError(f"trials must be {f'1 to {grid}' if grid else '>= 1'}, got {wanted}")
+    if jobs < 1:
+        raise InputError(f"jobs must be >= 1, got {jobs}")
+    make_folder(search.logs)
+    work = Setting(search.folder, jobs=jobs, on_progress=on_progress)
+    with _quiet_optuna(), _usable_storage(search):
+        _at_work.cache_clear()
+        try:
+            # Refused before the first drive, not after the last.
+            study = _claimed(search)
+            drives = search.settings.drives((*search.settings.train, *judges))
+            away = [name for name in drives if not (search.logs / name.file).exists()]
+            if away:
+                work.map(simulate_drive, [(search.logs, name) for name in away], "driving")
+            # A trial that was interrupted is made again; a set of the grid never is once it is
+            # finished. Two machines may make the same one: then another is missing.
+            while tasks := _missing(search, study, wanted):
+                before = wanted - len(tasks)
+                Setting(
+                    search.folder,
+                    jobs=jobs,
+                    on_progress=lambda label, done, total, before=before: on_progress(
+                        label, before + done, before + total
+                    ),
+                ).map(_one_trial, tasks, "trials")
+            return _found(search, study)
+        finally:
+            _release(search)
+
+
+def _missing(
+    search: Search, study: optuna.Study, wanted: int
+) -> list[tuple[Search, int, tuple[tuple[str, float], ...] | None]]:
+    """Return the tasks that are left: a number each, and for the grid a point."""
+    finished = _finished(study)
+    if search.settings.sampler != "grid":
+        return [(search, number, None) for number in range(len(finished), wanted)]
+    points = thesis_points()
+    # In a random order, so that a part of the grid is a fair sample of it.
+    order = np.random.default_rng(search.seed).permutation(len(points))
+    done = {_key(trial.params) for trial in finished}
+    left = [points[i] for i in order if _key(points[i]) not in done]
+    return [
+        (search, number, tuple(point.items()))
+        for number, point in enumerate(left[: max(wanted - len(done), 0)], len(done))
+    ]
+
+
+def _one_trial(task: tuple[Search, int, tuple[tuple[str, float], ...] | None]) -> None:
+    """Make one trial; it is finished in the storage, or it does not count."""
+    search, number, point = task
+    settings = search.settings
+    with _quiet_optuna(), _usable_storage(search):
+        _, study = _at_work(search)
+        if point is not None and any(
+            _key(trial.params) == _key(dict(point)) for trial in _finished(study)
+        ):
+            return
+        study.sampler = _sampler(search, number, point)
+        trial = study.ask(
+            {
+                name: FloatDistribution(low, high)
+                for name, (low, high) in ranges(settings.target, settings.model).items()
+            }
+        )
+        try:
+            drives = load_drives(search.logs, settings.drives(settings.train))
+            tried = candidate(trial.params, settings.model)
+            scores = [d.score(tried, settings.score, settings.max_range_m) for d in drives]
+        except BaseException:
+            # Ctrl-C as well: the trial is told to have failed, for it would seem to run for ever.
+            study.tell(trial, state=TrialState.FAIL)
+            raise
+        study.tell(trial, float(np.mean(scores)))
+
+
+class _OnePoint(optuna.samplers.BaseSampler):
+    """Samples the point that it was given."""
+
+    def __init__(self, point: dict[str, float]) -> None:
+        self._point = point
+
+    def infer_relative_search_space(self, study: Any, trial: Any) -> dict[str, Any]:
+        return {}
+
+    def sample_relative(self, study: Any, trial: Any, search_space: Any) -> dict[str, Any]:
+        return {}
+
+    def sample_independent(
+        self, study: Any, trial: Any, param_name: str, param_distribution: Any
+    ) -> float:
+        return self._point[param_name]
+
+
+def _sampler(
+    search: Search, number: int, point: tuple[tuple[str, float], ...] | None
+) -> optuna.samplers.BaseSampler:
+    if point is not None:
+        return _OnePoint(dict(point))
+    seed = int(np.random.SeedSequence([search.seed, number]).generate_state(1)[0])
+    if search.settings.sampler == "nsga2":
+        return optuna.samplers.NSGAIISampler(seed=seed, population_size=_POPULATION)
+    if search.settings.sampler == "tpe":
+        return optuna.samplers.TPESampler(seed=seed)
+    return optuna.samplers.CmaEsSampler(seed=seed)
+
+
+def _found(search: Search, study: optuna.Study) -> Found:
+    trials = tuple(
+        Trial(trial.number, candidate(trial.params, search.settings.model), float(trial.values[0]))
+        for trial in _finished(study)
+    )
+    sign = 1 if search.settings.higher_is_better else -1
+    # The first of equals, whoever else works on the study.
+    return Found(trials, max(trials, key=lambda trial: (sign * trial.score, -trial.number)))
+
+
+def _finished(study: optuna.Study) -> list[FrozenTrial]:
+    return study.get_trials(deepcopy=False, states=(TrialState.COMPLETE,))
+
+
+def _key(point: dict[str, Any]) -> tuple[tuple[str, float], ...]:
+    # A database may round the last digits of a number.
+    return tuple(sorted((name, round(value, 9)) for name, value in point.items()))
+
+
+def _claimed(search: Search) -> optuna.Study:
+    """Return the study, made if it is new, or raise `InputError` if it is another search's."""
+    _, study = _at_work(search)
+    found = study.user_attrs.get(_SETTINGS)
+    where = f"study {search.study_name!r} in {search.shown_storage}"
+    if found is None:
+        if study.get_trials(deepcopy=False):
+            raise InputError(f"{where} was not made by sonarbed: choose another study name")
+        study.set_user_attr(_SETTINGS, search.settings.to_dict())
+        return study
+    difference = search.settings.difference(found)
+    if difference is not None:
+        raise InputError(
+            f"{where} was made with {difference}: choose another folder, storage or study name"
+        )
+    return study
+
+
+@lru_cache(maxsize=1)
+def _at_work(search: Search) -> tuple[optuna.storages.RDBStorage, optuna.Study]:
+    """Return the study of a search, connected once a process."""
+    url = make_url(search.storage)
+    sqlite = url.get_backend_name() == "sqlite"
+    if sqlite and url.database in (None, "", ":memory:"):
+        raise InputError(f"storage must be kept, got {search.storage!r}, which is in memory")
+    try:
+        storage = optuna.storages.RDBStorage(
+            search.storage,
+            engine_kwargs={"connect_args": {"timeout": _SQLITE_WAIT_S}} if sqlite else None,
+        )
+    except (ImportError, RuntimeError) as error:
+        # No driver for such a database; tables that another version of Optuna made.
+        raise _unusable(search, error) from None
+    if sqlite:
+        # A trial is a dozen commits, and each would wait for the disk. With a write-ahead log only
+        # a power cut can lose any, the last ones; the file stays sound.
+        storage.engine.dispose()
+        event.listen(storage.engine, "connect", _write_ahead)
+    study = optuna.create_study(
+        storage=storage,
+        study_name=search.study_name,
+        direction="maximize" if search.settings.higher_is_better else "minimize",
+        load_if_exists=True,
+    )
+    return storage, study
+
+
+def _write_ahead(connection: sqlite3.Connection, record: object) -> None:
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA synchronous = NORMAL")
+
+
+def _release(search: Search) -> None:
+    """Close this process's connection; its workers' end with them."""
+    if _at_work.cache_info().currsize:
+        storage, _ = _at_work(search)
+        storage.remove_session()
+        storage.engine.dispose()
+    _at_work.cache_clear()
+
+
+@contextmanager
+def _usable_storage(search: Search) -> Iterator[None]:
+    """Turn what a storage raises into one `InputError` that names it."""
+    try:
+        yield
+    except (SQLAlchemyError, optuna.exceptions.OptunaError) as error:
+        raise _unusable(search, error) from None
+
+
+def _unusable(search: Search, error: BaseException) -> InputError:
+    # The innermost reason is the database's own: "unable to open database file".
+    while error.__cause__ is not None:
+        error = error.__cause__
+    line = next(iter(str(error).splitlines()), type(error).__name__)
+    return InputError(f"storage {search.shown_storage} cannot be used: {line}")
+
+
+@contextmanager
+def _quiet_optuna() -> Iterator[None]:
+    """Keep Optuna from talking while the block runs; the caller shows its own progress."""
+    before = optuna.logging.get_verbosity()
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    try:
+        yield
+    finally:
+        optuna.logging.set_verbosity(before)

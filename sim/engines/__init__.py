@@ -1,0 +1,1 @@
+"""What moves a robot in a world and casts its rays."""

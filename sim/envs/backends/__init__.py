@@ -1,0 +1,1 @@
+"""What moves the robots of an environment and lets them hear."""

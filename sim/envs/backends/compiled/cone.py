@@ -1,0 +1,140 @@
+"""The simple cone in one compiled call: `sim.ConeSonar.listen` on the faces of a room.
+
+It finds the same first return as the steps in `sim.sonar.cone.kernel`: the fan at once, then the
+mirrored rays one by one, none farther than the first return so far.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from sim.envs.backends.compiled.fan import meet_fan
+from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
+from worlds.raycast import face_normal, first_hit
+
+__all__ = ["cone_memory", "hear_cone"]
+
+# The rays of a fan are filled up to a multiple of this, see `meet_fan`.
+_WHOLE = 16
+# Mirrored rays: begin of the leg, direction, way so far, share of the amplitude that is left.
+_X, _Y, _DX, _DY, _WAY, _STRENGTH, _COLUMNS = range(7)
+
+
+@njit(cache=True)
+def cone_memory(rays):
+    """Return working memory of `hear_cone` for so many rays.
+
+    Of the fan: directions, legs and faces. Of the mirrored rays: a row each.
+    """
+    whole = -(-rays // _WHOLE) * _WHOLE
+    return (
+        np.zeros(whole),
+        np.zeros(whole),
+        np.empty(whole),
+        np.empty(whole, np.int64),
+        np.empty((rays, _COLUMNS)),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def hear_cone(
+    table, room, near, x, y, axis_rad, cos_bearing, sin_bearing, far_m, max_bounces,
+    critical_cos, reflectivity, threshold, memory,
+):  # fmt: skip
+    """Return what one transducer hears.
+
+    Parameters
+    ----------
+    table, room
+        The faces.
+    near : ndarray of int
+        Numbers of those that its rays may meet, see `sim.envs.backends.compiled.fan.faces_near`.
+    x, y, axis_rad : float
+        Place of the transducer and its axis.
+    cos_bearing, sin_bearing : ndarray, shape (rays,)
+        Bearings of the rays off the axis, rising; the axis is in the middle.
+    far_m, max_bounces, threshold
+        See `sim.ConeSonar`.
+    critical_cos, reflectivity : ndarray, shape (surfaces,)
+        What the surfaces do to sound, see `sim.sonar.cone.kernel.meet_surfaces`.
+    memory
+        From `cone_memory`.
+
+    Returns
+    -------
+    heard_m : float
+        Range of the first return, inf for none.
+    surface, bounces : int
+    incidence_cos : float
+        Cosine of the angle of incidence.
+    axis_range_m, cone_range_m : float
+        True ranges on the axis and of the nearest surface in the cone.
+    """
+    segments, normals, circles, surfaces, _, grid, shape, cell_start, cell_face = table
+    fan_dx, fan_dy, fan_leg_m, fan_face, rays = memory
+    best_m, best_surface, best_cos, best_bounces = far_m, -1, math.nan, 0
+    under_way = cos_bearing.size
+    cos_axis, sin_axis = math.cos(axis_rad), math.sin(axis_rad)
+    for i in range(under_way):
+        fan_dx[i], fan_dy[i] = turned(cos_axis, sin_axis, cos_bearing[i], sin_bearing[i])
+    meet_fan(table, near, x, y, fan_dx, fan_dy, under_way, far_m, fan_leg_m, fan_face)
+    axis_range_m, cone_range_m = fan_leg_m[under_way // 2], math.inf
+    for i in range(under_way):
+        cone_range_m = min(cone_range_m, fan_leg_m[i])
+
+    for bounce in range(max_bounces + 1):
+        mirrored = 0
+        for i in range(under_way):
+            if bounce == 0:
+                from_x, from_y, dx, dy = x, y, fan_dx[i], fan_dy[i]
+                way_m, strength = 0.0, 1.0
+                leg_m, face = fan_leg_m[i], fan_face[i]
+            else:
+                from_x, from_y, dx, dy = rays[i, _X], rays[i, _Y], rays[i, _DX], rays[i, _DY]
+                way_m, strength = rays[i, _WAY], rays[i, _STRENGTH]
+                if way_m > best_m:
+                    continue
+                leg_m, face = first_hit(
+                    segments, circles, grid, shape, cell_start, cell_face,
+                    room, from_x, from_y, dx, dy, best_m - way_m,
+                )  # fmt: skip
+            way_m += leg_m
+            # What is farther than the first return so far says nothing more.
+            if face < 0 or way_m > best_m:
+                continue
+            surface = surfaces[face]
+            strength *= reflectivity[surface]
+            if strength < threshold:
+                continue
+            nx, ny = face_normal(
+                normals, circles, face, from_x + leg_m * dx, from_y + leg_m * dy, dx, dy
+            )
+            cos = -(dx * nx + dy * ny)
+            if cos >= critical_cos[surface]:
+                # An echo from exactly the maximum range is one.
+                if way_m < best_m or (best_surface < 0 and way_m == best_m):
+                    best_m, best_surface = way_m, surface
+                    best_cos, best_bounces = cos, bounce
+            elif bounce < max_bounces:
+                # The rays that go on take the place of those that are done.
+                along = dx * nx + dy * ny
+                rays[mirrored, _X] = from_x + (leg_m * dx + OFF_SURFACE_M * nx)
+                rays[mirrored, _Y] = from_y + (leg_m * dy + OFF_SURFACE_M * ny)
+                rays[mirrored, _DX] = dx - 2 * along * nx
+                rays[mirrored, _DY] = dy - 2 * along * ny
+                rays[mirrored, _WAY], rays[mirrored, _STRENGTH] = way_m, strength
+                mirrored += 1
+        under_way = 0
+        for i in range(mirrored):
+            if rays[i, _WAY] + OFF_SURFACE_M < best_m:
+                for column in range(_COLUMNS):
+                    rays[under_way, column] = rays[i, column]
+                under_way += 1
+        if under_way == 0:
+            break
+
+    heard_m = best_m if best_surface >= 0 else math.inf
+    return heard_m, best_surface, best_bounces, best_cos, axis_range_m, cone_range_m

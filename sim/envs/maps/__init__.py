@@ -1,0 +1,1 @@
+"""The maps that robots build as they drive."""

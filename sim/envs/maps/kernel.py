@@ -1,0 +1,222 @@
+"""Compiled: the maps of many robots grow, are judged as they grow, and are seen from the robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit, prange
+
+from sonarmap.kernels.fusion import cone_evidence
+from sonarmap.scores.maps import CLAMP, FREE_UP_TO
+
+__all__ = [
+    "FREE",
+    "HIDDEN",
+    "OCCUPIED",
+    "REACHABLE",
+    "add_fresh",
+    "add_fresh_together",
+    "fresh_echoes",
+    "see_patches",
+    "see_patches_together",
+]
+
+# What a cell is in truth.
+HIDDEN, OCCUPIED, FREE, REACHABLE = range(4)
+# A map's cell counts as free below this.
+_FREE_LOG_ODDS = math.log(FREE_UP_TO / (1 - FREE_UP_TO))
+# Bits of a cell (see `sonarmap.MapScore`) by the log-odds of its true state, as a table with
+# linear steps between: within 1e-6 of the formula, and many times faster.
+_LIMIT = math.log((1 - CLAMP) / CLAMP)
+_PER_UNIT = 512.0
+_BITS = 1 + np.log2(
+    1 / (1 + np.exp(-np.linspace(-_LIMIT, _LIMIT, int(2 * _LIMIT * _PER_UNIT) + 2)))
+)
+_STEPS = _BITS.size - 1
+
+
+@njit(cache=True)
+def _bits(log_odds):
+    place = (min(max(log_odds, -_LIMIT), _LIMIT) + _LIMIT) * (_STEPS / (2 * _LIMIT))
+    low = min(int(place), _STEPS - 1)
+    return _BITS[low] + (place - low) * (_BITS[low + 1] - _BITS[low])
+
+
+@njit(cache=True)
+def _add_reading(
+    log_odds, kind, gains, shape, grid, x, y, axis_rad, half_angle,
+    border, axis, edge, bearing, runs, cells,
+):  # fmt: skip
+    """Add one reading to one map, and what it gains to `gains`; see `add_fresh`."""
+    row_begin, row_end = cone_evidence(
+        shape[0], shape[1], grid[0], grid[1], grid[2], x, y, axis_rad, half_angle,
+        border, axis, edge, bearing, runs, cells,
+    )  # fmt: skip
+    evidence = cells[5]
+    n, gained, new_cells, freed = 0, 0.0, 0, 0
+    for row in range(row_begin, row_end):
+        first, count = runs[0, row], runs[1, row]
+        line = log_odds[row, first : first + count]
+        kinds = kind[row, first : first + count]
+        for k in range(count):
+            added, old = evidence[n + k], line[k]
+            new = old + added
+            line[k] = new
+            if kinds[k] == HIDDEN or added == 0.0:
+                continue
+            truth = 1.0 if kinds[k] == OCCUPIED else -1.0
+            # Looked up twice: to keep what a cell scores in memory would cost more.
+            gained += _bits(truth * new) - _bits(truth * old)
+            new_cells += old == 0.0
+            if kinds[k] == REACHABLE:
+                freed += int(new <= _FREE_LOG_ODDS) - int(old <= _FREE_LOG_ODDS)
+        n += count
+    gains[0] += gained
+    gains[1] += new_cells
+    gains[2] += freed
+
+
+@njit(cache=True)
+def fresh_echoes(states, limit_m):
+    """Return the ranges of what was heard in the last control step, and which of them is whose.
+
+    Parameters
+    ----------
+    states : structured ndarray, shape (robots,)
+        `sim.envs.states.robot_dtype`.
+    limit_m : float
+        Longer readings say nothing.
+
+    Returns
+    -------
+    range_m : ndarray, shape (readings,)
+    number : ndarray of int, shape (robots, sonars)
+        Which reading is a sonar's; -1 for none.
+    """
+    sonars = states[0].range_m.size
+    number = np.full((states.size, sonars), -1)
+    range_m = np.empty(states.size * sonars)
+    count = 0
+    for robot in range(states.size):
+        state = states[robot]
+        for k in range(sonars):
+            if state.fresh[k] and 0.0 <= state.range_m[k] <= limit_m:
+                number[robot, k], range_m[count] = count, state.range_m[k]
+                count += 1
+    return range_m[:count], number
+
+
+@njit(cache=True)
+def add_fresh(
+    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
+    border, axis, edge, bearing, cells, runs,
+):  # fmt: skip
+    """Add the readings of the last control step to the maps of robots.
+
+    Parameters
+    ----------
+    states : structured ndarray, shape (robots,)
+        `sim.envs.states.robot_dtype`.
+    rows : ndarray of int
+        Which robots.
+    log_odds : ndarray, shape (robots, rows, cols)
+        Their maps, changed in place.
+    kind : ndarray of int8, shape (robots, rows, cols)
+        What the cells are: `HIDDEN`, `OCCUPIED`, `FREE` or `REACHABLE`, which is free as well.
+    gains : ndarray, shape (robots, 3)
+        Changed in place: bits gained and cells newly spoken of since it was cleared, and
+        reachable cells that the map calls free.
+    shapes, grids : ndarray, shapes (robots, 2), (robots, 3)
+        Rows and columns of each map; its lower-left corner and cell size, metres.
+    mounts : ndarray, shape (sonars, 3)
+        Place and axis of each sonar in the robot's frame.
+    half_angle, bearing
+        See `sonarmap.kernels.fusion.cone_evidence`.
+    number : ndarray of int, shape (robots, sonars)
+        Which of the regions are a reading's; -1 if it says nothing.
+    border, axis, edge : ndarray, shapes (regions, 3), (regions, 3, 2), (regions, 3, 2)
+        `Regions` of the readings that say something.
+    cells, runs
+        Working memory, see `sonarmap.kernels.fusion.cone_evidence`.
+    """
+    for row in rows:
+        for k in range(mounts.shape[0]):
+            i = number[row, k]
+            if i < 0:
+                continue
+            pose = states[row].fired_pose[k]
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
+            _add_reading(
+                log_odds[row], kind[row], gains[row], shapes[row], grids[row],
+                pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
+                pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
+                pose[2] + mounts[k, 2],
+                half_angle, border[i], axis[i], edge[i], bearing, runs, cells,
+            )  # fmt: skip
+
+
+@njit(cache=True, parallel=True)
+def add_fresh_together(
+    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
+    border, axis, edge, bearing, cells, runs,
+):  # fmt: skip
+    """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
+    jobs = runs.shape[0]
+    a, b, c, d, e, f = cells
+    for job in prange(jobs):
+        begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
+        add_fresh(
+            states, rows[begin:end], log_odds, kind, gains, shapes, grids, mounts,
+            half_angle, number, border, axis, edge, bearing,
+            (a[job], b[job], c[job], d[job], e[job], f[job]), runs[job],
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def _see_patch(patch, pose, log_odds, shape, grid, cell_m):
+    """Write the map around one robot; see `see_patches`."""
+    size = patch.shape[0]
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    for i in range(size):
+        ahead = (0.5 * size - 0.5 - i) * cell_m
+        for j in range(size):
+            aside = (0.5 * size - 0.5 - j) * cell_m
+            col = math.floor((pose[0] + cos * ahead - sin * aside - grid[0]) / grid[2])
+            row = math.floor((pose[1] + sin * ahead + cos * aside - grid[1]) / grid[2])
+            known = 0.0
+            if 0 <= row < shape[0] and 0 <= col < shape[1]:
+                known = log_odds[row, col]
+            # Half up, so that 0.5 is 128.
+            patch[i, j] = int(255.0 / (1.0 + math.exp(-known)) + 0.5) if known != 0.0 else 128
+
+
+@njit(cache=True)
+def see_patches(patches, states, log_odds, shapes, grids, cell_m):
+    """Write the maps around the robots as they see them.
+
+    Parameters
+    ----------
+    patches : ndarray of uint8, shape (robots, 1, size, size)
+        Written: P(occupied) times 255; the first row is farthest ahead, the first column farthest
+        left. What is not in the map is unknown, 128.
+    states, log_odds, shapes, grids
+        As for `add_fresh`.
+    cell_m : float
+        Side of a cell of the patch, metres.
+    """
+    for robot in range(states.size):
+        _see_patch(
+            patches[robot, 0], states[robot].believed_pose,
+            log_odds[robot], shapes[robot], grids[robot], cell_m,
+        )  # fmt: skip
+
+
+@njit(cache=True, parallel=True)
+def see_patches_together(patches, states, log_odds, shapes, grids, cell_m):
+    """Do as `see_patches` on all cores."""
+    for robot in prange(states.size):
+        _see_patch(
+            patches[robot, 0], states[robot].believed_pose,
+            log_odds[robot], shapes[robot], grids[robot], cell_m,
+        )  # fmt: skip

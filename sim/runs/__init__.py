@@ -1,0 +1,1 @@
+"""Drives: one, many, and what is recorded of them."""

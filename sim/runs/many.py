@@ -1,0 +1,107 @@
+"""Many drives of one world, a seed each, in parallel processes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sim.runs.parallel import run_all, stop_if_told
+from sim.runs.simulation import simulate
+from sonarmap import Cause, InputError, SonarLog
+from sonarmap.files import atomic_path, make_folder
+from worlds import World
+
+__all__ = ["MANIFEST", "log_entry", "simulate_many"]
+
+MANIFEST = "manifest.json"
+
+
+def simulate_many(
+    world: World,
+    folder: str | Path,
+    *,
+    seeds: Sequence[int],
+    jobs: int = 1,
+    on_done: Callable[[int], None] | None = None,
+    **arguments: Any,
+) -> dict[str, Any]:
+    """Simulate a log for each seed into `folder` and return the manifest written beside them.
+
+    Parameters
+    ----------
+    world : World
+        The room.
+    folder : str or Path
+        Where ``seed-0000.parquet`` and so on, and ``manifest.json`` go.
+    seeds : sequence of int
+        The seeds, each >= 0, none twice.
+    jobs : int
+        How many processes work at once, >= 1.
+    on_done : callable, optional
+        Called with each seed whose log is written, for a progress bar.
+    **arguments
+        The other arguments of `simulate`, but `on_scan`.
+
+    Returns
+    -------
+    dict
+        ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each its seed, file,
+        readings, readings by cause, and in how many scans the robot touched something.
+    """
+    if jobs < 1:
+        raise InputError(f"jobs must be >= 1, got {jobs!r}")
+    if len(set(seeds)) != len(seeds) or not seeds:
+        raise InputError(f"seeds must be at least one and none twice, got {list(seeds)!r}")
+    folder = make_folder(folder)
+    entries: dict[int, dict[str, Any]] = {}
+    try:
+        run_all(
+            partial(_simulate_one, world, folder, arguments),
+            seeds,
+            entries,
+            jobs=jobs,
+            on_done=None if on_done is None else lambda index: on_done(seeds[index]),
+        )
+    finally:
+        # Also after an interruption: the manifest tells of the logs that are there.
+        manifest = {
+            "world": world.name,
+            "world_parameters": dict(world.parameters),
+            "arguments": {name: _told(value) for name, value in arguments.items()},
+            "logs": sorted(entries.values(), key=lambda entry: entry["seed"]),
+        }
+        if entries:
+            with atomic_path(folder / MANIFEST) as path:
+                path.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+    return manifest
+
+
+def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
+    """Return what a manifest tells of a simulated log, see `simulate_many`."""
+    truth = log.require_truth("the manifest")
+    causes = np.bincount(truth.cause, minlength=len(Cause))
+    return {
+        "seed": seed,
+        "file": file,
+        "readings": len(log),
+        "causes": {cause.name: int(causes[cause]) for cause in Cause},
+        "collision_scans": int(np.unique(log.scan[truth.collision]).size),
+    }
+
+
+def _simulate_one(
+    world: World, folder: Path, arguments: Mapping[str, Any], seed: int
+) -> dict[str, Any]:
+    log = simulate(world, seed=seed, on_scan=lambda scan: stop_if_told(), **arguments)
+    name = f"seed-{seed:04d}.parquet"
+    log.write(folder / name)
+    return log_entry(log, seed, name)
+
+
+def _told(value: Any) -> Any:
+    return value if isinstance(value, str | int | float | bool | None) else repr(value)

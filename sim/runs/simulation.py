@@ -1,0 +1,159 @@
+"""`simulate`: a robot drives in a known room and writes a log with the truth beside it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from sim.engines.opening import open_engine
+from sim.robot import drivers
+from sim.robot.drivers import Driver, Sensed
+from sim.robot.odometry import Odometer, OdometryModel
+from sim.runs.drive import Drive, check_firing, check_steps, transducers
+from sim.runs.packets import StatusPackets
+from sim.runs.recorder import Recorder
+from sim.sonar import presets as sonars
+from sim.sonar.protocol import Sonar
+from sonarmap import InputError, SonarLog
+from worlds import World
+
+__all__ = ["simulate"]
+
+
+def simulate(
+    world: World,
+    *,
+    scans: int,
+    seed: int,
+    driver: str | Driver = "thesis",
+    sonar: str | Sonar = "physical",
+    engine: str = "bullet",
+    odometry: OdometryModel | None = None,
+    packets: StatusPackets | None = None,
+    gui: bool = False,
+    on_scan: Callable[[int], None] | None = None,
+) -> SonarLog:
+    """Drive a robot through a world and return the log of its sonars.
+
+    Parameters
+    ----------
+    world : World
+        The room, see `worlds.load`.
+    scans : int
+        How many scans to take, >= 1. The first is taken at the start, at rest.
+    seed : int
+        Seed of all that is random, >= 0. The same world, arguments and seed give the same log,
+        bit for bit, on one machine.
+    driver : str or Driver
+        Who drives: a name of `sim.robot.drivers.names()` or a driver.
+    sonar : str or Sonar
+        The sonars: a name of `sim.sonar.presets.PRESETS` or a sonar. By default those that
+        behave like sonars; "thesis" is the simple cone, quicker and easier to reason about.
+    engine : str
+        What moves the robot and casts the rays: "bullet", PyBullet with its dynamics, or
+        "segments", exact faces and plain kinematics, many times faster.
+    odometry : OdometryModel, optional
+        Errors of the odometry, by default the AmigoBot's.
+    packets : StatusPackets, optional
+        Log what the robot's status packets tell, stale values repeated; by default each reading
+        once, with the time and the pose of its own firing.
+    gui : bool
+        Show the engine's window.
+    on_scan : callable, optional
+        Called with the number of each scan taken, for a progress bar.
+
+    Returns
+    -------
+    SonarLog
+        With truth; its provenance tells how it was made.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, a number breaks its rule, or the robot does not fit at the start.
+    """
+    if scans < 1:
+        raise InputError(f"scans must be >= 1, got {scans!r}")
+    if seed < 0:
+        raise InputError(f"seed must be >= 0, got {seed!r}")
+    sonar_used = sonars.preset(sonar) if isinstance(sonar, str) else sonar
+    driver_used = drivers.driver(driver, world) if isinstance(driver, str) else driver
+    odometry = OdometryModel() if odometry is None else odometry
+    firing, ring = sonar_used.firing, sonar_used.ring
+    check_firing(firing, len(ring))
+    if packets is not None:
+        check_steps("packets.period_s", packets.period_s)
+
+    # A stream each, so that one does not shift when another draws more.
+    noise_rng, odometry_rng, driver_rng = np.random.default_rng(seed).spawn(3)
+    with open_engine(engine, world, gui=gui) as robot:
+        recorder = Recorder(ring, world, packets)
+        odometer = Odometer(odometry, robot.pose, odometry_rng)
+        drive = Drive(robot, odometer)
+        tell = _teller(drive, recorder, packets)
+        ears = sonar_used.ears(robot, world, noise_rng)
+        control = driver_used.begin(driver_rng)
+        newest_m = np.full(len(ring), np.inf)
+        for scan in range(scans):
+            begin_s = scan * firing.period_s
+            fired: list[int] = []
+            for slot in firing.slots(scan, len(ring)):
+                tell(begin_s + slot.offset_s)
+                drive.until(begin_s + slot.offset_s)
+                ears.fire(drive.time_s, slot.sonars, *transducers(ring, robot.pose))
+                recorder.fired(scan, drive.time_s, slot.sonars, odometer.pose, robot.pose)
+                fired += slot.sonars
+            echoes = ears.hear()
+            touched = drive.touched_since()
+            recorder.heard(echoes, touched=touched)
+            newest_m[fired] = echoes.range_m
+            if on_scan is not None:
+                on_scan(scan)
+            # The driver decides once a scan, when its last sonar has been heard.
+            sensed = Sensed(drive.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
+            drive.speeds_mps = control(sensed)
+        tell(scans * firing.period_s)  # the last packets tell the last readings
+    return recorder.log(
+        {
+            "world": world.name,
+            "world_parameters": dict(world.parameters),
+            "seed": seed,
+            "scans": scans,
+            "driver": _told(driver_used),
+            "sonar": _told(sonar_used),
+            "engine": engine,
+            "odometry": _told(odometry),
+            **({} if packets is None else {"packets": _told(packets)}),
+        }
+    )
+
+
+def _teller(
+    drive: Drive, recorder: Recorder, packets: StatusPackets | None
+) -> Callable[[float], None]:
+    """Return what drives on to the status packets that are due by a moment and notes them."""
+    told = 0
+
+    def tell(until_s: float) -> None:
+        nonlocal told
+        while packets is not None and (due_s := (told + 1) * packets.period_s) <= until_s + 1e-9:
+            drive.until(due_s)
+            recorder.told(due_s, drive.believed_pose)
+            told += 1
+
+    return tell
+
+
+def _told(part: object) -> dict[str, Any]:
+    """Return a configuration as JSON-able values, for the provenance."""
+    told: dict[str, Any] = {"kind": type(part).__name__}
+    if dataclasses.is_dataclass(part) and not isinstance(part, type):
+        for field in dataclasses.fields(part):
+            value = getattr(part, field.name)
+            # The log carries its ring itself.
+            if field.name != "ring":
+                told[field.name] = _told(value) if dataclasses.is_dataclass(value) else value
+    return told

@@ -1,0 +1,1 @@
+"""Sonars: when they fire, and what they hear."""

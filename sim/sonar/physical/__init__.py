@@ -1,0 +1,1 @@
+"""The physical sonar: tracing of image sources, echoes, detection."""

@@ -1,0 +1,144 @@
+"""Compiled: what sonars hear of the sounds that are under way, and what they read."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.sonar.cone.kernel import measured
+from sim.sonar.physical import columns as t
+from sim.sonar.physical.levels import gain_db
+from sim.sonar.protocol import cause_of
+from sonarmap import Cause, LogTruth
+
+__all__ = ["Heard", "hear", "readings"]
+
+_CROSSTALK, _NO_SOURCE = int(Cause.CROSSTALK), int(LogTruth.NO_SOURCE)
+
+
+class Heard(NamedTuple):
+    """What n firings heard, see `sim.sonar.protocol.Echoes`; the range is without noise."""
+
+    range_m: NDArray[np.float64]
+    cause: NDArray[np.int8]
+    surface: NDArray[np.int32]
+    incidence_rad: NDArray[np.float64]
+    bounces: NDArray[np.int16]
+    source: NDArray[np.int16]
+    level_db: NDArray[np.float64]
+
+
+@njit(cache=True)
+def hear(fired, sounds, acoustics):
+    """Return (what firings heard, the sounds that later ones may still hear).
+
+    Parameters
+    ----------
+    fired : ndarray, shape (n, FIRED_COLUMNS)
+        In the order of time.
+    sounds : ndarray, shape (m, SOUND_COLUMNS)
+        All that are under way.
+    acoustics : Acoustics
+    """
+    n = len(fired)
+    heard = Heard(
+        np.full(n, math.inf),
+        np.empty(n, np.int8),
+        np.full(n, -1, np.int32),
+        np.full(n, math.nan),
+        np.zeros(n, np.int16),
+        np.full(n, _NO_SOURCE, np.int16),
+        np.full(n, math.nan),
+    )
+    half_m = np.full(n, math.inf)
+    others = np.zeros(n, np.bool_)
+    for r in range(n):
+        k, time_s, over_db = _first_crossing(fired[r], sounds, acoustics)
+        if k < 0:
+            continue
+        sound = sounds[k]
+        heard.range_m[r] = acoustics.assumed_speed_mps * time_s / 2
+        heard.surface[r] = int(sound[t.SOUND_SURFACE])
+        heard.incidence_rad[r] = sound[t.SOUND_INCIDENCE]
+        heard.bounces[r] = int(sound[t.SOUND_BOUNCES])
+        heard.source[r] = int(sound[t.SOUND_SOURCE])
+        heard.level_db[r] = over_db
+        half_m[r] = sound[t.SOUND_WAY] / 2
+        others[r] = (
+            sound[t.SOUND_SOURCE] != fired[r, t.FIRED_SONAR]
+            or sound[t.SOUND_SENT] != fired[r, t.FIRED_TIME]
+        )
+    heard.cause[:] = cause_of(
+        half_m,
+        heard.bounces,
+        np.ascontiguousarray(fired[:, t.FIRED_AXIS]),
+        np.ascontiguousarray(fired[:, t.FIRED_CONE]),
+    )
+    heard.cause[others] = _CROSSTALK
+    fresh = sounds[:, t.SOUND_SENT] + acoustics.life_s > fired[n - 1, t.FIRED_TIME]
+    return heard, sounds[fresh]
+
+
+@njit(cache=True)
+def _first_crossing(firing, sounds, acoustics):
+    """Return (sound heard first or -1, time since the firing, level over the threshold)."""
+    heard, time_s, over_db = -1, math.inf, math.nan
+    for k in range(len(sounds)):
+        sound = sounds[k]
+        if sound[t.SOUND_LISTENER] != firing[t.FIRED_SONAR]:
+            continue
+        travel_s = sound[t.SOUND_WAY] / acoustics.speed_mps
+        if travel_s > acoustics.life_s:
+            continue
+        arrival_s = sound[t.SOUND_SENT] + travel_s - firing[t.FIRED_TIME]
+        if arrival_s <= 0 or arrival_s > acoustics.window_s:
+            continue
+        over = sound[t.SOUND_LEVEL] + gain_db(acoustics, arrival_s)
+        if over <= 0:
+            continue
+        crossing_s = arrival_s + acoustics.pulse_s * 10 ** (-over / 20)
+        if crossing_s < acoustics.blanking_s:
+            if arrival_s + acoustics.pulse_s < acoustics.blanking_s:
+                continue  # over before the receiver opens
+            crossing_s = acoustics.blanking_s
+        if crossing_s <= acoustics.window_s and crossing_s < time_s:
+            heard, time_s, over_db = k, crossing_s, over
+    return heard, time_s, over_db
+
+
+@njit(cache=True)
+def readings(heard, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
+    """Return what the sonars read of what they heard.
+
+    Parameters
+    ----------
+    heard : Heard
+    draws : ndarray
+        Of the normal distribution, one a firing.
+    surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
+        See `sim.sonar.physical.tracing.advance`.
+    noise_std_m, weak_noise_std_m, quantum_m : float
+        See `sim.sonar.physical.receiver.Receiver`.
+    near_m, far_m : float
+        Nearest and farthest range of the ring.
+    """
+    reading_m = np.empty(draws.size)
+    for r in range(draws.size):
+        jitter_m = weak_noise_std_m * 10 ** (-heard.level_db[r] / 20)
+        roughness_m = surfaces[heard.surface[r], t.SURFACE_ROUGHNESS]
+        reading_m[r] = measured(
+            heard.range_m[r],
+            roughness_m,
+            draws[r],
+            math.hypot(noise_std_m, jitter_m),
+            1.0,
+            quantum_m,
+            near_m,
+            far_m,
+            math.inf,
+        )
+    return reading_m

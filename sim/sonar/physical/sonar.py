@@ -1,0 +1,239 @@
+"""The physical sonar: beam, mirror echoes, scattering, threshold, and the sound of the others.
+
+What comes back is decided by geometry and level: a flat face and a right-angled hollow corner send
+the sound of an image source, a pillar a share of it, an edge little, and a rough face scatters
+from wherever the beam meets it. What is heard is the first sound that crosses the threshold.
+
+A ray-following sonar in the line of Wilkes, Dudek, Jenkin and Milios, "Modelling sonar range
+sensors" (SPIE 1388, 1990), with the acoustic mirrors of Kuc and Siegel (IEEE Transactions on
+Pattern Analysis and Machine Intelligence 9(6), 1987). Rays find the faces; distances come from
+mirror images, so they are exact for flat faces and do not depend on the number of rays.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.engines.protocol import RayCaster
+from sim.sonar.air import Air
+from sim.sonar.firing import Firing, InTurn
+from sim.sonar.physical.array import PhysicalEars
+from sim.sonar.physical.interferer import Beacon
+from sim.sonar.physical.levels import Acoustics, best_db
+from sim.sonar.physical.piston import Piston
+from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.tracing import Rules
+from sim.sonar.protocol import Ears, Echoes
+from sonarmap import InputError, SonarRing
+from sonarmap.errors import finite, positive
+from worlds import World
+
+__all__ = ["PhysicalSonar"]
+
+# So far off the axis faces are looked for that the sound of another sonar may come by. Assumed.
+_WIDE_RAD = math.radians(45)
+
+
+@dataclass(frozen=True)
+class PhysicalSonar:
+    """A ring of sonars that behave like sonars.
+
+    Parameters
+    ----------
+    name : str
+        Name of the preset.
+    ring : SonarRing
+        Places, nominal cone (for the truths on axis and cone only), nearest and farthest range.
+    firing : Firing
+        When the sonars fire.
+    piston : Piston
+        Beam of the transducers.
+    receiver : Receiver
+        Threshold, gain, pulse, noise.
+    air : Air
+        The air that there is.
+    assumed_air : Air
+        The air for which the robot turns times into ranges.
+    max_bounces : int
+        Over how many mirroring faces a sound is followed before the face that turns it, >= 0.
+    edge_db : float
+        Level of an edge at 1 m against a plane at 1 m, decibels, <= 0; the level falls with
+        1 / r^2 where a plane's falls with 1 / r. -37 dB: Keller's diffraction by a right-angled
+        wedge, seen head-on, at 49.4 kHz (Journal of the Optical Society of America 52, 1962).
+    ray_step_rad : float
+        Angle between the rays of a fan, at most, radians, > 0. What is narrower than the gap
+        between two rays may be missed; ranges do not depend on it.
+    beacons : tuple of Beacon
+        Sources of sound besides the robot's own.
+    sound_life_s : float
+        A sound is forgotten this long after it was sent, seconds, > 0. Default: two slots of
+        40 ms, so that a sonar hears what the one before it sent.
+    """
+
+    name: str
+    ring: SonarRing
+    firing: Firing = field(default_factory=InTurn)
+    piston: Piston = field(default_factory=Piston)
+    receiver: Receiver = field(default_factory=Receiver)
+    air: Air = field(default_factory=Air)
+    assumed_air: Air = field(default_factory=Air)
+    max_bounces: int = 1
+    edge_db: float = -37.0
+    ray_step_rad: float = math.radians(1.0)
+    sound_life_s: float = 0.080
+    beacons: tuple[Beacon, ...] = ()
+
+    def __post_init__(self) -> None:
+        self.firing.check(len(self.ring))
+        if self.max_bounces < 0:
+            raise InputError(f"max_bounces must be >= 0, got {self.max_bounces!r}")
+        if finite("edge_db", self.edge_db) > 0:
+            raise InputError(f"edge_db must be <= 0, got {self.edge_db!r}")
+        positive("ray_step_rad", self.ray_step_rad)
+        positive("sound_life_s", self.sound_life_s)
+
+    def replace(self, **changes: object) -> PhysicalSonar:
+        """Return this sonar with some fields replaced."""
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
+        """Return the sonars of one drive, see `sim.sonar.protocol.Sonar`."""
+        return PhysicalEars(self, rays, world, rng)
+
+    def listen(
+        self,
+        rays: RayCaster,
+        world: World,
+        sensor_xy_m: NDArray[np.float64],
+        axis_rad: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> Echoes:
+        """Fire k transducers that do not hear each other, see `sim.sonar.protocol.Sonar`."""
+        ears = PhysicalEars(self, rays, world, rng, alone=True)
+        ears.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
+        return ears.hear()
+
+    @property
+    def window_s(self) -> float:
+        """How long a sonar listens after its firing, seconds."""
+        longest = 2 * self.ring.range_max_m / self.assumed_air.speed_mps
+        return min(longest, self.firing.listening_s)
+
+    @cached_property
+    def rules(self) -> Rules:
+        """What the compiled steps need to follow faces."""
+        return Rules(
+            reach_m=float(self._reaches_m[-1]),
+            max_bounces=self.max_bounces,
+            # The foot of a face may lie between its last ray and the next one.
+            margin_rad=6 * self.ray_step_rad,
+            # Nobody else listens before the next firing, unless windows overlap.
+            others_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
+            cone_rad=self.ring.half_angle_rad,
+            range_max_m=self.ring.range_max_m,
+        )
+
+    @cached_property
+    def _reaches_m(self) -> NDArray[np.float64]:
+        """How far sound reaches that is sent so many whole decibels below the axis, rising.
+
+        Element 0 stands for -100 dB, element 100 for the axis.
+        """
+        half_m = np.linspace(0.02, self.air.speed_mps * self._heard_for_s / 2, 500)
+        heard_db = np.array([best_db(self.acoustics, 2 * half) for half in half_m])
+        loud = heard_db[:, None] > np.arange(100, -1, -1)
+        return np.where(loud.any(axis=0), half_m[len(half_m) - 1 - loud[::-1].argmax(axis=0)], 0.02)
+
+    @cached_property
+    def _heard_for_s(self) -> float:
+        """How long after it was sent any sonar may still listen for a sound, seconds."""
+        starts_s = [
+            scan * self.firing.period_s + slot.offset_s
+            for scan in (0, 1, 2, 3)
+            for slot in self.firing.slots(scan, len(self.ring))
+        ]
+        waits_s = np.subtract.outer(starts_s, starts_s)
+        last_s = waits_s[(waits_s >= 0) & (waits_s < self.sound_life_s)].max()
+        return float(min(last_s + self.window_s, self.sound_life_s))
+
+    @cached_property
+    def acoustics(self) -> Acoustics:
+        """What the compiled steps need of beam, air and receiver."""
+        nominal, tone_hz = Air(), self.piston.frequency_hz
+        slots = (self.firing.slots(scan, len(self.ring)) for scan in (0, 1))
+        beam_db = self.piston.level_db(np.linspace(0, math.pi, 9001))
+        return Acoustics(
+            speed_mps=self.air.speed_mps,
+            absorption_db_per_m=self.air.absorption_db_per_m(tone_hz),
+            nominal_speed_mps=nominal.speed_mps,
+            nominal_absorption_db_per_m=nominal.absorption_db_per_m(tone_hz),
+            assumed_speed_mps=self.assumed_air.speed_mps,
+            dynamic_range_db=float(self.receiver.dynamic_range_db),
+            gain_share=float(self.receiver.gain_share),
+            pulse_s=float(self.receiver.pulse_s),
+            blanking_s=float(self.receiver.blanking_s),
+            edge_db=float(self.edge_db),
+            window_s=float(self.window_s),
+            head_start_s=max(scan[-1].offset_s for scan in slots) if self.overlapping else 0.0,
+            life_s=float(self.sound_life_s),
+            beam_db=beam_db,
+            beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
+        )
+
+    @cached_property
+    def overlapping(self) -> bool:
+        """Whether a sonar listens while another one's sound is fresh."""
+        together = any(
+            len(slot.sonars) > 1
+            for scan in (0, 1)
+            for slot in self.firing.slots(scan, len(self.ring))
+        )
+        return together or self._least_gap_s < self.window_s
+
+    @cached_property
+    def _least_gap_s(self) -> float:
+        """Shortest time between two firings, seconds."""
+        starts_s = [
+            scan * self.firing.period_s + slot.offset_s
+            for scan in (0, 1, 2)
+            for slot in self.firing.slots(scan, len(self.ring))
+        ]
+        return float(np.diff(starts_s).min())
+
+    @cached_property
+    def bearing_rad(self) -> NDArray[np.float64]:
+        """Bearings of a fan, the cone's edges and the axis among them.
+
+        Dense in the main lobe; wider where only side lobes reach, which hear no small things; and
+        as far out as the sound of another sonar may come from, by large faces.
+        """
+        half = self.ring.half_angle_rad
+        # Near targets are the loudest.
+        loudest_db = best_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
+        reach = min(max(self.piston.reach_rad(loudest_db), half), math.pi / 2)
+        lobe = min(self.piston.null_rad, reach)
+        stops = sorted({lobe, half, reach})
+        if self.overlapping and reach < _WIDE_RAD:
+            stops.append(_WIDE_RAD)
+        side, last = [0.0], 0.0
+        for stop in stops:
+            step = self.ray_step_rad * (1 if stop <= lobe else 3 if stop <= reach else 5)
+            count = math.ceil((stop - last) / step - 1e-9)
+            side += [last + (stop - last) * k / count for k in range(1, count + 1)]
+            last = stop
+        return np.array([-bearing for bearing in side[:0:-1]] + side)
+
+    @cached_property
+    def ray_reach_m(self) -> NDArray[np.float64]:
+        """How far the rays of a fan go: as they are heard; in the cone as the truth is asked."""
+        angle = np.abs(self.bearing_rad)
+        table_db = self.acoustics.beam_db
+        sent_db = np.interp(angle, np.linspace(0, math.pi, table_db.size), table_db)
+        far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
+        in_cone = angle <= self.ring.half_angle_rad + 1e-9
+        return np.maximum(far_m, np.where(in_cone, self.ring.range_max_m, 0.1))

@@ -1,0 +1,1 @@
+"""Reading filters: what they make of each reading of a log."""

@@ -1,0 +1,1 @@
+"""Mapping methods: from a log to an occupancy map."""

@@ -1,0 +1,1 @@
+"""Bayesian updating with inverse sensor models."""

@@ -1,0 +1,1 @@
+"""Maps and readings judged by the truth."""

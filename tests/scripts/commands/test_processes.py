@@ -1,0 +1,149 @@
+"""The command as a process of its own: pipes, full disks, Ctrl-C."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import sonarmap as sm
+from sim.runs.parallel import deaf_children
+
+SONARBED = [sys.executable, "-m", "sonarbed"]
+INTERRUPTED = "sonarbed: interrupted; what was finished is kept\n"
+
+
+def test_json_goes_through_a_pipe():
+    listed = subprocess.run([*SONARBED, "worlds", "--json"], capture_output=True, text=True)
+    assert listed.returncode == 0
+    assert listed.stderr == ""
+    assert json.loads(listed.stdout)
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    command = subprocess.Popen(
+        [*SONARBED, "worlds", "office"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    command.stdout.close()  # before the command has printed anything
+    assert command.stderr.read() == ""
+    command.stderr.close()
+    assert command.wait() == 0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_output_that_cannot_be_written_is_one_line():
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [*SONARBED, "worlds", "office"], stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.stderr == "sonarbed: output: No space left on device\n"
+    assert done.returncode == 2
+
+
+def is_alive(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def ctrl_c(command):
+    """Interrupt a command and its group, as a terminal does."""
+    os.killpg(command.pid, signal.SIGINT)
+
+
+def terminate(command):
+    """End a command by its number, as a supervisor does; its workers hear nothing."""
+    os.kill(command.pid, signal.SIGTERM)
+
+
+def interrupt(arguments, *, when, how=ctrl_c):
+    """Interrupt a command once `when` is true, and wait until nobody of its group is left."""
+    command = subprocess.Popen(
+        [*SONARBED, *arguments.split()],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # Whoever runs the tests in the background has Ctrl-C ignored, and children inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    deadline = time.monotonic() + 60
+    try:
+        while not when():
+            assert command.poll() is None, command.stderr.read()
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+        how(command)
+        out, err = command.communicate(timeout=60)
+        while is_alive(command.pid):  # nobody of the group is left behind
+            assert time.monotonic() < deadline
+            time.sleep(0.02)
+    finally:
+        if is_alive(command.pid):
+            os.killpg(command.pid, signal.SIGKILL)
+    return command.returncode, out, err
+
+
+@pytest.mark.engine
+def test_ctrl_c_in_a_drive_keeps_the_older_log(tmp_path):
+    old = tmp_path / "drive.parquet"
+    old.write_bytes(b"older")
+    started = time.monotonic()
+    code, out, err = interrupt(
+        "simulate thesis-exp1 --scans 1000000 --out drive.parquet",
+        when=lambda: time.monotonic() > started + 3,
+    )
+    assert (code, out, err) == (130, "", INTERRUPTED)
+    assert list(tmp_path.iterdir()) == [old]
+    assert old.read_bytes() == b"older"
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("how", [ctrl_c, terminate])
+def test_interrupting_many_drives_keeps_what_is_finished(tmp_path, how):
+    folder = tmp_path / "logs"
+    code, out, err = interrupt(
+        "simulate thesis-exp1 --scans 40 --seed 0:500 --jobs 2 --out logs",
+        when=lambda: any(folder.glob("seed-*.parquet")),
+        how=how,
+    )
+    assert (code, out, err) == (130, "", INTERRUPTED)
+    told = json.loads((folder / "manifest.json").read_text())
+    finished = {entry["file"]: entry["readings"] for entry in told["logs"]}
+    assert 0 < len(finished) < 500
+    # No half-written file, and the manifest tells of every log that is there.
+    assert {path.name for path in folder.iterdir()} == {"manifest.json", *finished}
+    for file, readings in finished.items():
+        assert len(sm.read_log(folder / file)) == readings
+
+
+@pytest.mark.engine
+def test_ctrl_c_while_processes_begin_leaves_no_traceback(tmp_path):
+    folder = tmp_path / "logs"
+    code, out, err = interrupt(
+        "simulate thesis-exp1 --scans 1000000 --seed 0:4 --jobs 2 --out logs", when=folder.exists
+    )
+    assert (code, out, err) == (130, "", INTERRUPTED)
+    assert list(folder.iterdir()) == []
+
+
+def test_ctrl_c_while_processes_begin_waits_and_is_not_lost():
+    children = []
+
+    def begin():
+        with deaf_children():
+            child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1)"])
+            child.send_signal(signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+            children.append(child)
+
+    with pytest.raises(KeyboardInterrupt):
+        begin()
+    assert [child.wait() for child in children] == [0]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

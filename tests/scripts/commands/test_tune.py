@@ -1,0 +1,420 @@
+"""`sonarbed tune`: searches that resume, judge fairly, and refuse what does not belong."""
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing, suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import optuna
+import pytest
+from PIL import Image
+from support import make_log
+
+import sim
+import sonarmap as sm
+import worlds
+from sonarbed.cli import main
+from sonarbed.studies.tuning import search as searching
+from sonarbed.studies.tuning import settings as settings_module
+from sonarbed.studies.tuning.drives import Drive, DriveName, load_drives
+from sonarbed.studies.tuning.judging import Judged
+from sonarbed.studies.tuning.search import Search, find
+from sonarbed.studies.tuning.settings import TuneSettings
+from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
+from sonarmap.errors import InputError
+from sonarmap.goodness import thesis_parameter_sets
+
+pytestmark = pytest.mark.engine
+
+SMALL = TuneSettings(
+    target="model",
+    model="parameterized",
+    sampler="tpe",
+    score="map_score",
+    train=("thesis-exp1",),
+    seeds=2,
+    scans=6,
+)
+OPTIONS = "--train thesis-exp1 --judge l-shape --seeds 2 --scans 6 --jobs 1"
+
+
+@pytest.fixture(scope="module")
+def drives(tmp_path_factory):
+    """The folder of the drives of `SMALL`, simulated once."""
+    folder = tmp_path_factory.mktemp("drives")
+    search = search_in(folder)
+    find(search, judges=["l-shape"], trials=1, on_progress=ignore)
+    return search.logs
+
+
+@pytest.fixture
+def folder(drives, tmp_path):
+    """A folder with the drives and no study."""
+    shutil.copytree(drives, tmp_path / "out" / "logs")
+    return tmp_path / "out"
+
+
+def search_in(folder, seed=0, **changes):
+    url = f"sqlite:///{folder}/study.db"
+    return Search(replace(SMALL, **changes), folder, url, seed=seed)
+
+
+def ignore(label, done, total):
+    pass
+
+
+def points(found):
+    return [(trial.candidate, trial.score) for trial in found.trials]
+
+
+# The space.
+
+
+def test_the_grid_is_the_thesis_own():
+    models = [candidate(point, "parameterized").model for point in thesis_points()]
+    assert models == list(thesis_parameter_sets())
+
+
+@pytest.mark.parametrize("model", ["parameterized", "standard"])
+@pytest.mark.parametrize("target", ["model", "hsr", "both"])
+def test_every_corner_of_the_box_is_a_candidate(target, model, rng):
+    box = ranges(target, model)
+    for _ in range(200):
+        corner = {name: float(rng.choice(ends)) for name, ends in box.items()}
+        tried = candidate(corner, model)
+        assert (tried.hsr is None) == (target == "model")
+        told = tried.to_dict()
+        if tried.hsr is not None:
+            assert told["max_wall_m"] >= told["min_wall_m"] == corner["min_wall_m"]
+        if model == "parameterized":
+            assert told["p1"] == pytest.approx(1 - told["p4"])
+
+
+def test_what_is_not_searched_is_the_thesis_own():
+    hsr = {name: low for name, (low, _) in ranges("hsr", "standard").items()}
+    assert candidate(hsr, "standard").model == sm.StandardModel.thesis()
+    assert candidate(hsr, "parameterized").model == sm.ParameterizedModel.thesis()
+
+
+def test_hsr_is_idle_where_no_reading_vouches(drives):
+    (drive,) = load_drives(drives, (DriveName("thesis-exp1", "thesis", 6, 0),))
+    model = sm.ParameterizedModel.thesis()
+    idle = Candidate(model, sm.HsrParams(0.02, 0.15, 0.001, 0.06))
+    assert drive.score(idle, "brier", None) == drive.score(Candidate(model), "brier", None)
+    busy = Candidate(model, sm.HsrParams.thesis())
+    assert drive.score(busy, "brier", None) != drive.score(Candidate(model), "brier", None)
+
+
+# The search.
+
+
+@pytest.mark.parametrize("sampler", ["tpe", "nsga2", "grid"])
+def test_an_interrupted_search_ends_as_one_that_was_not(folder, sampler, monkeypatch):
+    monkeypatch.setattr(searching, "_POPULATION", 4)  # so that NSGA-II breeds in so few trials
+    search = search_in(folder, sampler=sampler)
+
+    def stop_at_four(label, done, total):
+        if (label, done) == ("trials", 4):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        find(search, trials=12, on_progress=stop_at_four)
+    first = find(search, trials=4, on_progress=ignore)  # nothing is left to do
+    assert len(first.trials) == 4
+    resumed = find(search, trials=12, on_progress=ignore)
+    assert len(resumed.trials) == 12
+    assert points(resumed)[:4] == points(first)
+    # Children of NSGA-II may repeat a parent; nothing else repeats.
+    assert len(set(points(resumed))) >= (9 if sampler == "nsga2" else 12)
+    assert resumed.best.score == max(trial.score for trial in resumed.trials)
+
+    whole = find(replace(search, study_name="whole"), trials=12, on_progress=ignore)
+    assert points(whole) == points(resumed)
+
+
+def test_ctrl_c_in_a_trial_keeps_the_finished_ones(folder, capsys, monkeypatch):
+    score, calls = Drive.score, []
+
+    def interrupted(self, *arguments):
+        calls.append(arguments)
+        if len(calls) == 6:  # the second drive of the third trial
+            raise KeyboardInterrupt
+        return score(self, *arguments)
+
+    line = f"tune --out {folder} {OPTIONS} --trials 5"
+    monkeypatch.setattr(Drive, "score", interrupted)
+    assert main(line.split()) == 130
+    assert capsys.readouterr().err == "sonarbed: interrupted; what was finished is kept\n"
+    assert not (folder / "tune.json").exists()
+    kept = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
+    states = [trial.state.name for trial in kept]
+    assert states == ["COMPLETE", "COMPLETE", "FAIL"]
+
+    monkeypatch.setattr(Drive, "score", score)
+    assert main(line.split()) == 0
+    again = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
+    assert [trial.values for trial in again[:2]] == [trial.values for trial in kept[:2]]
+    assert sum(trial.state.name == "COMPLETE" for trial in again) == 5
+    assert json.loads((folder / "tune.json").read_text())["trials"] == 5
+
+
+def test_the_seed_decides(folder):
+    def of(name, seed):
+        search = replace(search_in(folder, seed=seed), study_name=name)
+        return points(find(search, trials=4, on_progress=ignore))
+
+    assert of("a", 3) == of("b", 3)
+    assert of("c", 4) != of("a", 3)
+
+
+def test_ctrl_c_reaches_every_process(folder):
+    line = f"tune --out {folder} {OPTIONS.replace('--jobs 1', '--jobs 2')} --trials 3000"
+    command = subprocess.Popen(
+        [sys.executable, "-m", "sonarbed", *line.split()],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    search, database = search_in(folder), f"file:{folder}/study.db?mode=ro"
+
+    def finished():
+        # Without Optuna, which would make its tables at the same time as the command.
+        with (
+            suppress(sqlite3.OperationalError),
+            closing(sqlite3.connect(database, uri=True)) as study,
+        ):
+            return study.execute("SELECT count(*) FROM trial_values").fetchone()[0]
+        return 0
+
+    deadline = time.monotonic() + 60
+    while finished() < 3:
+        assert command.poll() is None, command.stderr.read()
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+    os.killpg(command.pid, signal.SIGINT)  # as a terminal does
+    out, err = command.communicate(timeout=30)
+    assert (command.returncode, out) == (130, "")
+    assert err == "sonarbed: interrupted; what was finished is kept\n"
+    # What was being made is finished or nothing, and the search goes on from there.
+    kept = optuna.load_study(study_name="tune", storage=search.storage).trials
+    assert {trial.state.name for trial in kept} == {"COMPLETE"}
+    assert len(find(search, trials=len(kept) + 1, on_progress=ignore).trials) == len(kept) + 1
+
+
+@pytest.mark.parametrize("sampler", ["nsga2", "tpe", "cmaes"])
+def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
+    monkeypatch.setattr(searching, "_POPULATION", 3)
+    search = search_in(folder, sampler=sampler, target="both")
+    found = find(search, trials=8, on_progress=ignore)
+    assert len(set(points(found))) == 8
+    (drive,) = load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 1),))
+    best = found.best
+    again = [
+        each.score(best.candidate, "map_score", None)
+        for each in (*load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 0),)), drive)
+    ]
+    assert best.score == pytest.approx(np.mean(again), abs=1e-12)
+
+
+@pytest.mark.parametrize(("score", "pick"), [("brier", min), ("f1_10_cm", max)])
+def test_the_best_is_the_best_of_its_score(folder, score, pick):
+    found = find(search_in(folder, score=score), trials=4, on_progress=ignore)
+    assert found.best.score == pick(trial.score for trial in found.trials)
+
+
+def test_two_processes_never_make_a_set_of_the_grid_twice(folder):
+    search = search_in(folder, sampler="grid")
+    seen = []
+    found = find(search, trials=6, jobs=2, on_progress=lambda *told: seen.append(told))
+    assert seen[-1] == ("trials", 6, 6)
+    found = find(search, trials=9, on_progress=ignore)
+    models = [trial.candidate.model for trial in found.trials]
+    assert len(set(models)) == len(models) == 9
+    assert set(models) <= set(thesis_parameter_sets())
+
+
+# The command.
+
+
+def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
+    line = f"tune --out {folder} {OPTIONS} --target hsr --max-range 2 --trials 3"
+    told = json.loads(run(f"{line} --json"))
+    assert json.loads((folder / "tune.json").read_text()) == told
+    with Image.open(folder / "tune.png") as image:
+        assert np.asarray(image.convert("L")).std() > 5
+
+    best = told["parameters"]["best"]
+    params = [best[f"{name}_m"] for name in ("min_wall", "max_wall", "threshold")]
+    ways = {
+        "best": sm.HsrParams(*params, best["target_distance_m"]),
+        "thesis": sm.HsrParams(0.02, 0.15, 3.0, 0.06),
+        "no HSR": None,
+    }
+    room = worlds.load("l-shape")
+    truth = worlds.truth(room)
+    model = sm.ParameterizedModel.thesis()
+    direct = {}
+    for name, hsr in ways.items():
+        direct[name] = []
+        for seed in (0, 1):
+            log = sim.simulate(room, scans=6, seed=seed, driver="route", sonar="thesis")
+            mended = log if hsr is None else sm.hsr(log, hsr).log
+            built = sm.build_map(mended, model, truth.grid, max_range_m=2.0)
+            score = sm.score_map(built, truth, observable=truth.observable(log))
+            direct[name].append(score.map_score)
+    judged = told["judged"]["l-shape"]
+    for name, scores in direct.items():
+        assert judged["scores"][name]["by_seed"] == scores
+        assert judged["scores"][name]["mean"] == pytest.approx(np.mean(scores))
+    assert judged["best_minus"]["thesis"]["mean"] == pytest.approx(
+        np.mean(direct["best"]) - np.mean(direct["thesis"])
+    )
+    assert set(told["judged"]) == {"l-shape"}
+
+    table = run(line)
+    assert f"{judged['scores']['best']['mean']:.3f}±" in table
+    assert f"{judged['best_minus']['no HSR']['mean']:.3f}±" in table
+
+
+def test_all_rooms_are_a_mean_of_means_with_an_interval_over_seeds():
+    scores = {"best": np.array([[1.0, 3.0], [5.0, 5.0]]), "thesis": np.zeros((2, 2))}
+    judged = Judged(("a", "b"), scores)
+    assert judged.places == ("a", "b", "all rooms")
+    both = judged.score("best", "all rooms")
+    # Seeds have 3 and 4; Student's t for two of them is 12.706.
+    assert (both.value, both.high - both.value) == pytest.approx((3.5, 12.706 * 0.5), rel=1e-3)
+    assert judged.gain("thesis", "a").value == 2
+    assert judged.only(["b"]).mean == {"best": 5.0, "thesis": 0.0}
+
+
+# What is refused.
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ("--target hsr", "study 'tune' in sqlite:////.* was made with target 'model', asked for"),
+        ("--score brier", "was made with score 'map_score', asked for 'brier'"),
+        ("--sampler nsga2", "was made with sampler 'tpe', asked for 'nsga2'"),
+        ("--model standard", "was made with model 'parameterized', asked for 'standard'"),
+        ("--train office", r"was made with train \['thesis-exp1'\], asked for \['office'\]"),
+        ("--seeds 3", "was made with seeds 2, asked for 3"),
+        ("--scans 7", "was made with scans 6, asked for 7"),
+        ("--max-range 2", "was made with max_range_m None, asked for 2.0"),
+    ],
+)
+def test_a_study_of_other_settings_is_refused(folder, options, complaint, refused):
+    find(search_in(folder), trials=1, on_progress=ignore)
+    logs = sorted((folder / "logs").iterdir())
+    with pytest.raises(InputError, match=complaint):
+        raise InputError(refused(f"tune --out {folder} {OPTIONS} {options} --trials 2"))
+    assert sorted((folder / "logs").iterdir()) == logs
+    assert len(find(search_in(folder), trials=1, on_progress=ignore).trials) == 1
+
+
+def test_a_study_of_another_version_is_refused(folder, monkeypatch):
+    find(search_in(folder), trials=1, on_progress=ignore)
+    monkeypatch.setattr(settings_module, "FORMAT_VERSION", 2)
+    with pytest.raises(InputError, match="was made with format 1, asked for 2: choose another"):
+        find(search_in(folder), trials=1, on_progress=ignore)
+
+
+def test_a_study_of_somebody_else_is_refused(folder):
+    search = search_in(folder)
+    study = optuna.create_study(storage=search.storage, study_name="tune")
+    study.ask()
+    with pytest.raises(InputError, match="was not made by sonarbed"):
+        find(search, trials=1, on_progress=ignore)
+
+
+def test_a_drive_without_truth_is_refused(folder, refused):
+    path = folder / "logs" / "thesis-exp1-thesis-6-0000.parquet"
+    sm.read_log(path).replace(truth=None).write(path)
+    assert f"{path}: the log has no truth" in refused(f"tune --out {folder} {OPTIONS} --trials 1")
+
+
+def test_another_drive_by_the_same_name_is_refused(folder, refused):
+    logs = folder / "logs"
+    shutil.copy(
+        logs / "thesis-exp1-thesis-6-0000.parquet", logs / "thesis-exp1-thesis-6-0001.parquet"
+    )
+    complaint = refused(f"tune --out {folder} {OPTIONS} --trials 1")
+    assert "thesis-exp1-thesis-6-0001.parquet: must be the drive" in complaint
+    assert complaint.endswith("remove it, and it is made again")
+
+
+def test_a_full_disk_is_one_line_and_keeps_the_finished_trials(folder, refused, monkeypatch):
+    find(search_in(folder), trials=2, on_progress=ignore)
+    prepared = searching._write_ahead
+
+    def small(connection, record):
+        prepared(connection, record)
+        connection.execute("PRAGMA max_page_count = 1")  # SQLite takes what there is
+
+    monkeypatch.setattr(searching, "_write_ahead", small)
+    complaint = refused(f"tune --out {folder} {OPTIONS} --trials 400")
+    assert complaint.startswith("storage sqlite:////")
+    assert complaint.endswith("cannot be used: database or disk is full")
+    monkeypatch.setattr(searching, "_write_ahead", prepared)
+    assert len(find(search_in(folder), trials=2, on_progress=ignore).trials) >= 2
+
+
+@pytest.mark.parametrize("package", ["optuna", "cmaes"])
+def test_a_missing_package_is_one_line(refused, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    assert refused("tune") == f"tune needs the package {package}: pip install 'sonarbed[tune]'"
+
+
+# Command line, what its complaint must say.
+REFUSED = [
+    ("--target modle", "target 'modle' is unknown; did you mean 'model'?"),
+    ("--sampler tpee", "sampler 'tpee' is unknown; did you mean 'tpe'?"),
+    ("--score map_scor", "score 'map_scor' is unknown; did you mean 'map_score'?"),
+    ("--model std", "model 'std' is unknown; known: parameterized, standard"),
+    ("--train offise", "train: room 'offise' is unknown; did you mean 'office'?"),
+    ("--judge cluter", "judge: room 'cluter' is unknown; did you mean 'clutter'?"),
+    ("--train ,", "train must name at least one room"),
+    ("--train office,office", "train must name no room twice, got office, office"),
+    ("--train office --judge office", "judge must name other rooms than train, got office"),
+    ("--seeds 0", "seeds must be >= 1, got 0"),
+    ("--scans 0", "scans must be >= 1, got 0"),
+    ("--trials 0", "trials must be >= 1, got 0"),
+    ("--jobs 0", "jobs must be >= 1, got 0"),
+    ("--seed=-1", "seed must be >= 0, got -1"),
+    ("--max-range 0", "max_range_m must be > 0, got 0"),
+    ("--sampler grid --trials 1441", "trials must be 1 to 1440, got 1441"),
+    ("--sampler grid --target hsr", "sampler 'grid' is the thesis's search"),
+    ("--sampler grid --model standard", "sampler 'grid' is the thesis's search"),
+    ("--out file", "file: cannot be made a folder: a file is in the way"),
+    ("--out in-the-way", "tune.json: is a folder, a file name is needed"),
+    ("--out no-logs", "no-logs/logs: cannot be made a folder: a file is in the way"),
+    ("--storage sqlite:///gone/study.db", "cannot be used: unable to open database file"),
+    ("--storage sqlite:///file.txt", "file.txt cannot be used: file is not a database"),
+    ("--storage sqlite://", "storage must be kept, got 'sqlite://', which is in memory"),
+    ("--storage study", "storage study cannot be used: Could not parse SQLAlchemy URL"),
+    ("--storage postgresql://me:secret@x/y", "storage postgresql://me:***@x/y cannot be used"),
+]
+
+
+@pytest.mark.parametrize(("options", "complaint"), REFUSED, ids=[line for line, _ in REFUSED])
+def test_bad_input_is_refused_in_one_line(refused, tmp_path, options, complaint):
+    Path("file").touch()
+    Path("file.txt").write_text("no database " * 100)
+    Path("in-the-way/tune.json").mkdir(parents=True)
+    Path("no-logs").mkdir()
+    Path("no-logs/logs").touch()
+    make_log(1.0).write("real.parquet")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert complaint in refused(f"tune --trials 2 {options}")
+    kept = {path: path.read_bytes() for path in before}
+    assert kept == before
+    assert not list(tmp_path.rglob("logs/*.parquet"))

@@ -1,0 +1,46 @@
+import json
+
+import pytest
+
+import sim
+import sonarmap as sm
+import worlds
+from sim.runs.many import MANIFEST, simulate_many
+
+pytestmark = pytest.mark.engine
+
+
+def test_parallel_logs_equal_single_ones(tmp_path):
+    room = worlds.load("thesis-exp1")
+    done = []
+    manifest = simulate_many(
+        room, tmp_path, seeds=[4, 2], jobs=2, on_done=done.append, scans=5, driver="wander"
+    )
+    assert sorted(done) == [2, 4]
+    assert json.loads((tmp_path / MANIFEST).read_text()) == manifest
+    assert [entry["file"] for entry in manifest["logs"]] == [
+        "seed-0002.parquet",
+        "seed-0004.parquet",
+    ]
+    for entry in manifest["logs"]:
+        path = tmp_path / entry["file"]
+        single = sim.simulate(room, scans=5, seed=entry["seed"], driver="wander")
+        single.write(tmp_path / "single.parquet")
+        assert path.read_bytes() == (tmp_path / "single.parquet").read_bytes()
+        assert entry["readings"] == len(single) == sum(entry["causes"].values())
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"jobs": 0}, r"jobs must be >= 1, got 0"),
+        ({"seeds": []}, r"seeds must be at least one and none twice, got \[\]"),
+        ({"seeds": [1, 1]}, r"seeds must be at least one and none twice, got \[1, 1\]"),
+        ({"scans": 0}, r"scans must be >= 1, got 0"),
+    ],
+)
+def test_bad_arguments_are_refused_and_leave_no_manifest(tmp_path, changes, message):
+    arguments = {"seeds": [0], "scans": 2} | changes
+    with pytest.raises(sm.InputError, match=message):
+        simulate_many(worlds.load("thesis-exp1"), tmp_path, **arguments)
+    assert not (tmp_path / MANIFEST).exists()
