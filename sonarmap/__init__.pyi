@@ -4,6 +4,10 @@ from .filters.eeruf import eeruf_accepts as eeruf_accepts
 from .filters.hsr import HsrParams as HsrParams
 from .filters.hsr import HsrResult as HsrResult
 from .filters.hsr import hsr as hsr
+from .filters.protocol import Filtered as Filtered
+from .filters.protocol import ReadingFilter as ReadingFilter
+from .filters.registry import filter as filter
+from .filters.registry import filters as filters
 from .filters.stale import mark_stale as mark_stale
 from .grid import GridSpec as GridSpec
 from .importers import import_log as import_log
@@ -18,7 +22,12 @@ from .mapping import grid_over as grid_over
 from .methods.bayes.models import ParameterizedModel as ParameterizedModel
 from .methods.bayes.models import SensorModel as SensorModel
 from .methods.bayes.models import StandardModel as StandardModel
+from .methods.protocol import IncrementalMethod as IncrementalMethod
+from .methods.protocol import MappingMethod as MappingMethod
+from .methods.registry import method as method
+from .methods.registry import methods as methods
 from .occupancy import OccupancyMap as OccupancyMap
+from .pipeline import Pipeline as Pipeline
 from .rings import AMIGOBOT as AMIGOBOT
 from .rings import SonarRing as SonarRing
 from .rings import ring as ring

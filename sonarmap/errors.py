@@ -21,6 +21,7 @@ __all__ = [
     "finite",
     "first_row",
     "non_negative",
+    "one_of",
     "positive",
     "within",
 ]
@@ -67,6 +68,14 @@ def first_row(name: str, bad: NDArray[np.bool_], values: NDArray[np.generic], ru
     if bad.any():
         row = int(bad.argmax())
         raise InputError(f"{name}[{row}] must be {rule}, got {values[row]}")
+
+
+def one_of(name: str, value: str, known: Iterable[str]) -> str:
+    """Return `value` if it is one of the known words, else raise `InputError`."""
+    words = tuple(known)
+    if value not in words:
+        raise InputError(f"{name} {value!r} is unknown{did_you_mean(str(value), words)}")
+    return value
 
 
 def did_you_mean(unknown: str, known: Iterable[str]) -> str:

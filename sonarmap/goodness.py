@@ -10,20 +10,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sonarmap.errors import InputError, positive
-from sonarmap.grid import GridSpec
-from sonarmap.log import SonarLog
-from sonarmap.mapping import NoEcho, Poses, evidence_of, one_of, reading_limit_m
-from sonarmap.methods.bayes.models import THESIS_UNIT_M, ParameterizedModel, Regions, SensorModel
+from sonarmap.errors import InputError
+from sonarmap.methods.bayes.spread import Spread, map_and_spread, thesis_parameter_sets
 from sonarmap.occupancy import OccupancyMap
-from sonarmap.scores.maps import OCCUPIED_FROM
 
 __all__ = [
     "RunComparison",
@@ -33,53 +28,6 @@ __all__ = [
     "map_derivative",
     "thesis_parameter_sets",
 ]
-
-# Equal values need not be bit-equal when they were computed at different places of a vector.
-_ZERO_DEVIATION = 1e-9
-# Cells of cones that are kept at a time: 16 bytes each, 256 MB. The thesis's search needs a tenth.
-_MOST_CELLS = 16_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """How the probabilities that readings gave each cell spread; every array (rows, cols).
-
-    Parameters
-    ----------
-    grid : GridSpec
-        Where the cells are.
-    readings : ndarray of int
-        Number of readings that spoke of the cell: N.
-    mean : ndarray
-        Mean of the P(occupied) that they gave it; 0 where none spoke.
-    squared_deviation : ndarray
-        Sum of the squared deviations from that mean.
-    """
-
-    grid: GridSpec
-    readings: NDArray[np.int64]
-    mean: NDArray[np.float64]
-    squared_deviation: NDArray[np.float64]
-
-    @property
-    def updated(self) -> NDArray[np.bool_]:
-        """Which cells any reading spoke of."""
-        return self.readings > 0
-
-    @property
-    def standard_deviation(self) -> NDArray[np.float64]:
-        """Standard deviation (N - 1) of each cell; 0 where fewer than two readings spoke."""
-        deviation: NDArray[np.float64] = np.sqrt(
-            self.squared_deviation / np.maximum(self.readings - 1, 1)
-        )
-        return deviation
-
-    @property
-    def vsdns(self) -> float:
-        """Mean of the non-zero standard deviations; lower is better. NaN if all are zero."""
-        deviation = self.standard_deviation
-        nonzero = deviation[deviation > _ZERO_DEVIATION]
-        return float(nonzero.mean()) if nonzero.size else math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +89,8 @@ def map_derivative(m: OccupancyMap, *, updated: NDArray[np.bool_] | None = None)
     m : OccupancyMap
         The map.
     updated : ndarray of bool, shape (rows, cols), optional
-        The cells that readings spoke of, as `Spread.updated`. By default those whose log-odds
-        are not 0.
+        The cells that readings spoke of, as `Spread.updated`. By default those that the map calls
+        observed or, where it does not say, those whose log-odds are not 0.
 
     Returns
     -------
@@ -157,7 +105,7 @@ def map_derivative(m: OccupancyMap, *, updated: NDArray[np.bool_] | None = None)
         If `updated` does not have the map's shape.
     """
     if updated is None:
-        updated = m.log_odds != 0
+        updated = m.log_odds != 0 if m.observed is None else m.observed
     if updated.shape != m.grid.shape:
         raise InputError(f"updated must have the grid's shape {m.grid.shape}, got {updated.shape}")
     count = int(updated.sum())
@@ -176,7 +124,7 @@ def map_derivative(m: OccupancyMap, *, updated: NDArray[np.bool_] | None = None)
 
 
 def compare_runs(
-    a: OccupancyMap, b: OccupancyMap, *, occupied_from: float = OCCUPIED_FROM
+    a: OccupancyMap, b: OccupancyMap, *, occupied_from: float | None = None
 ) -> RunComparison:
     """Compare the maps of two runs of the same path, cell by cell (p. 37 to 39).
 
@@ -184,10 +132,11 @@ def compare_runs(
     ----------
     a, b : OccupancyMap
         The maps, on the same grid.
-    occupied_from : float
-        A cell is occupied from this P(occupied) on and free up to 1 less it, in (0.5, 1). Between
-        the two its state is unknown and not compared: counting the unknown as empty, as a binary
-        map of obstacles does, would reward a map for saying nothing.
+    occupied_from : float, optional
+        A cell is occupied from this P(occupied) on and free up to 1 less it, in (0.5, 1); by
+        default each map's own limits hold. Between the two its state is unknown and not compared:
+        counting the unknown as empty, as a binary map of obstacles does, would reward a map for
+        saying nothing.
 
     Raises
     ------
@@ -196,11 +145,14 @@ def compare_runs(
     """
     if a.grid != b.grid:
         raise InputError(f"both maps must have the same grid, got {a.grid} and {b.grid}")
-    if not 0.5 < occupied_from < 1:
+    if occupied_from is None:
+        (occupied_a, free_a), (occupied_b, free_b) = ((m.occupied, m.free) for m in (a, b))
+    elif 0.5 < occupied_from < 1:
+        (occupied_a, free_a), (occupied_b, free_b) = (
+            (m.probability >= occupied_from, m.probability <= 1 - occupied_from) for m in (a, b)
+        )
+    else:
         raise InputError(f"occupied_from must be in (0.5, 1), got {occupied_from!r}")
-    (occupied_a, free_a), (occupied_b, free_b) = (
-        (m.probability >= occupied_from, m.probability <= 1 - occupied_from) for m in (a, b)
-    )
     known_a, known_b = occupied_a | free_a, occupied_b | free_b
     return RunComparison(
         both_occupied=int((occupied_a & occupied_b).sum()),
@@ -208,171 +160,3 @@ def compare_runs(
         differing=int((occupied_a & free_b).sum() + (free_a & occupied_b).sum()),
         one_sided=int((known_a ^ known_b).sum()),
     )
-
-
-def thesis_parameter_sets() -> tuple[ParameterizedModel, ...]:
-    """Return the 1440 sets of the thesis's search (table 5.1), in the order of P5, 2 P3, P4, P2."""
-    return tuple(
-        ParameterizedModel(
-            p1=round(1 - p4, 2),
-            p2=p2,
-            p3_m=twice_p3 / 2 * THESIS_UNIT_M,
-            p4=p4,
-            p5_rad=math.radians(p5),
-        )
-        for p5 in (*range(6, 16), 20, 25, 30, 35, 40)
-        for twice_p3 in (0.5, 1, 1.5, 2, 2.5, 3)
-        for p4 in (0.95, 0.96, 0.97, 0.98)
-        for p2 in (0.05, 0.10, 0.15, 0.20)
-    )
-
-
-def map_and_spread(
-    log: SonarLog,
-    models: Iterable[SensorModel],
-    grid: GridSpec,
-    *,
-    max_range_m: float | None = None,
-    no_echo: NoEcho = "ignore",
-    poses: Poses = "odometry",
-) -> Iterator[tuple[OccupancyMap, Spread]]:
-    """Map one log by many models, with the spread of what each says of every cell.
-
-    The map is `sonarmap.build_map`'s. The cells of the cones, their ranges and bearings are
-    listed once for models that follow one another and have the same half-angle, as those of
-    `thesis_parameter_sets` do.
-
-    Parameters
-    ----------
-    log, grid, max_range_m, no_echo, poses
-        As for `sonarmap.build_map`.
-    models : iterable of SensorModel
-        The models.
-
-    Yields
-    ------
-    map : OccupancyMap
-    spread : Spread
-        In the order of the models. The spread is of the probabilities that enter the map,
-        clipped to [1e-6, 1 - 1e-6].
-
-    Raises
-    ------
-    InputError
-        If an argument breaks its rule.
-    """
-    one_of("no_echo", no_echo, get_args(NoEcho))
-    one_of("poses", poses, get_args(Poses))
-    if max_range_m is not None:
-        positive("max_range_m", max_range_m)
-    if poses == "true":
-        log = log.at_true_poses()
-    # The checks above are made at the call; a generator would make them at its first value.
-    return _map_and_spread(log, models, grid, max_range_m, no_echo)
-
-
-def _map_and_spread(
-    log: SonarLog,
-    models: Iterable[SensorModel],
-    grid: GridSpec,
-    max_range_m: float | None,
-    no_echo: NoEcho,
-) -> Iterator[tuple[OccupancyMap, Spread]]:
-    def shared(model: SensorModel) -> tuple[float, float]:
-        return model.half_angle_rad, reading_limit_m(log, model, max_range_m)
-
-    sensor_xy_m, axis_rad = log.sensor_xy_m, log.axis_rad
-    for (half_angle_rad, limit_m), group in itertools.groupby(models, shared):
-        alike = tuple(group)
-        used, _ = evidence_of(log, alike[0], limit_m, no_echo)
-        # Cones are listed as far as any of these models reaches.
-        reach_m = np.zeros(int(used.sum()))
-        for model in alike:
-            np.maximum(reach_m, evidence_of(log, model, limit_m, no_echo)[1].reach_m, out=reach_m)
-        cones = _ConeLists(grid, sensor_xy_m[used], axis_rad[used], half_angle_rad, reach_m)
-        for model in alike:
-            yield _fuse(grid, cones, evidence_of(log, model, limit_m, no_echo)[1])
-
-
-def _fuse(grid: GridSpec, cones: _ConeLists, regions: Regions) -> tuple[OccupancyMap, Spread]:
-    from sonarmap.kernels.fusion import add_listed
-
-    cells = grid.rows * grid.cols
-    log_odds, seen, mean, deviation = (np.zeros(cells) for _ in range(4))
-    for rows, lists in cones:
-        add_listed(
-            log_odds,
-            seen,
-            mean,
-            deviation,
-            *lists,
-            regions.border_m[rows],
-            regions.axis[rows],
-            regions.edge[rows],
-        )
-    return OccupancyMap(grid, log_odds.reshape(grid.shape)), Spread(
-        grid,
-        seen.astype(np.int64).reshape(grid.shape),
-        mean.reshape(grid.shape),
-        deviation.reshape(grid.shape),
-    )
-
-
-_Lists = tuple[
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.float64],
-    NDArray[np.float64],
-]
-
-
-class _ConeLists:
-    """The cells of readings' cones, as (slice of readings, lists of `_fusion.list_cones`).
-
-    All are kept when they fit in `_MOST_CELLS`. Otherwise they are listed part by part, each time
-    anew: slower, but the memory stays bounded.
-    """
-
-    def __init__(
-        self,
-        grid: GridSpec,
-        sensor_xy_m: NDArray[np.float64],
-        axis_rad: NDArray[np.float64],
-        half_angle_rad: float,
-        reach_m: NDArray[np.float64],
-    ) -> None:
-        from sonarmap.kernels.fusion import (  # numba: loaded when mapping
-            bearing_polynomial,
-            count_cells,
-        )
-
-        self._where = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
-        self._cones = (sensor_xy_m, axis_rad, reach_m)
-        self._half_angle_rad = half_angle_rad
-        self._bearing = bearing_polynomial(half_angle_rad)
-        self._bounds = count_cells(*self._where, sensor_xy_m, axis_rad, half_angle_rad, reach_m)
-        parts = self._bounds[:, 0].cumsum() // _MOST_CELLS
-        begins = [0, *(np.flatnonzero(np.diff(parts)) + 1).tolist(), reach_m.size]
-        self._slices = [slice(a, b) for a, b in itertools.pairwise(begins)]
-        self._kept = self._list(self._slices[0]) if len(self._slices) == 1 else None
-
-    def __iter__(self) -> Iterator[tuple[slice, _Lists]]:
-        for rows in self._slices:
-            yield rows, self._list(rows) if self._kept is None else self._kept
-
-    def _list(self, rows: slice) -> _Lists:
-        from sonarmap.kernels.fusion import list_cones
-
-        sensor_xy_m, axis_rad, reach_m = (values[rows] for values in self._cones)
-        lists: _Lists = list_cones(
-            *self._where,
-            sensor_xy_m,
-            axis_rad,
-            self._half_angle_rad,
-            reach_m,
-            self._bearing,
-            self._bounds[rows],
-        )
-        return lists

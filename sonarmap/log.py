@@ -79,6 +79,8 @@ class LogTruth:
 
     NO_SOURCE: ClassVar[int] = -1
     OUTSIDE_SOURCE: ClassVar[int] = -2
+    PREFIX: ClassVar[str] = "truth_"
+    """What the names of its columns begin with in a file."""
 
     x_m: NDArray[np.float64]
     y_m: NDArray[np.float64]
@@ -147,6 +149,11 @@ class SonarLog:
         The reading in metres; ``+inf`` no echo, ``-inf`` too close (REP 117).
     stale : array_like of bool, shape (n,), optional
         Marks a reading that repeats an older one of the same firing. None: no reading is.
+    rejected : array_like of bool, shape (n,), optional
+        Marks a reading that a filter takes for wrong and did not mend. None: no reading is.
+    doubt : array_like, shape (n,), optional
+        Probability that a reading is wrong, by a filter, in [0, 1]; NaN for no opinion, which is
+        the default.
     truth : LogTruth, optional
         What was true; None for a real robot.
     provenance : mapping, optional
@@ -167,7 +174,9 @@ class SonarLog:
     y_m: NDArray[np.float64]
     heading_rad: NDArray[np.float64]
     range_m: NDArray[np.float64]
-    stale: NDArray[np.bool_] = None  # type: ignore[assignment]  # made all False below
+    stale: NDArray[np.bool_] = None  # type: ignore[assignment]  # filled below
+    rejected: NDArray[np.bool_] = None  # type: ignore[assignment]  # filled below
+    doubt: NDArray[np.float64] = None  # type: ignore[assignment]  # filled below
     truth: LogTruth | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
@@ -181,13 +190,16 @@ class SonarLog:
             "heading_rad": np.float64,
             "range_m": np.float64,
             "stale": np.bool_,
+            "rejected": np.bool_,
+            "doubt": np.float64,
         }
     )
 
     def __post_init__(self) -> None:
         size = np.asarray(self.range_m).size
-        if self.stale is None:
-            object.__setattr__(self, "stale", np.zeros(size, bool))  # type: ignore[unreachable]
+        for name, unmarked in (("stale", False), ("rejected", False), ("doubt", math.nan)):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, np.full(size, unmarked))
         for name, dtype in self.DTYPES.items():
             _freeze(self, name, dtype, size)
         object.__setattr__(self, "provenance", dict(self.provenance))
@@ -205,6 +217,8 @@ class SonarLog:
             seen & ((self.range_m < 0) | (self.range_m > RANGE_LIMIT_M))
         )
         first_row("range_m", absurd, self.range_m, f"within [0, {RANGE_LIMIT_M:g}] m, +inf or -inf")
+        sure = np.isnan(self.doubt) | ((self.doubt >= 0) & (self.doubt <= 1))
+        first_row("doubt", ~sure, self.doubt, "within [0, 1], or NaN")
         if self.truth is not None and self.truth.x_m.size != size:
             raise InputError(
                 f"truth must have one row a reading, got {self.truth.x_m.size} for {size}"
@@ -224,10 +238,24 @@ class SonarLog:
         return dataclasses.replace(self, **columns, truth=truth)
 
     def write(self, path: str | Path) -> None:
-        """Write the log as Parquet, see `sonarmap.read_log`."""
-        from sonarmap.logfile import write_log  # pyarrow is heavy: loaded when files are used
+        """Write the log as Parquet, see `sonarmap.read_log`.
 
-        write_log(self, path)
+        An older file there is replaced only when all is written.
+        """
+        from sonarmap.parquet import write_columns  # pyarrow is heavy: loaded when files are used
+
+        columns = {name: getattr(self, name) for name in self.DTYPES}
+        if self.truth is not None:
+            columns |= {
+                LogTruth.PREFIX + name: getattr(self.truth, name) for name in LogTruth.DTYPES
+            }
+        write_columns(path, columns, ring=self.ring.to_dict(), provenance=dict(self.provenance))
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """Which readings may be used, judged, and vouch for a wall: neither stale nor rejected."""
+        usable: NDArray[np.bool_] = ~(self.stale | self.rejected)
+        return usable
 
     @property
     def sensor_xy_m(self) -> NDArray[np.float64]:

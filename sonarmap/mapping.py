@@ -1,22 +1,25 @@
-"""From a log to a map: Bayesian updating of an occupancy grid (Rashid 2006, section 4.4)."""
+"""`build_map`: from a log to a map, by a sensor model or any mapping method."""
 
 from __future__ import annotations
 
 import math
-from typing import Literal, get_args
+from collections.abc import Callable
+from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from sonarmap.errors import InputError, did_you_mean, positive
+from sonarmap.errors import InputError, one_of
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
-from sonarmap.methods.bayes.models import Regions, SensorModel
+from sonarmap.methods.bayes.models import SensorModel
+from sonarmap.methods.bayes.updating import Bayes, NoEcho
+from sonarmap.methods.protocol import MappingMethod
+from sonarmap.methods.registry import as_method
 from sonarmap.occupancy import OccupancyMap
 
-__all__ = ["NoEcho", "Poses", "build_map", "grid_over"]
+__all__ = ["Poses", "build_map", "grid_for", "grid_over"]
 
-NoEcho = Literal["ignore", "clear"]
 Poses = Literal["odometry", "true"]
 
 DEFAULT_RESOLUTION_M = 0.05
@@ -24,7 +27,7 @@ DEFAULT_RESOLUTION_M = 0.05
 
 def build_map(
     log: SonarLog,
-    model: SensorModel,
+    model: SensorModel | MappingMethod | Callable[[SonarLog, GridSpec], ArrayLike],
     grid: GridSpec | None = None,
     *,
     max_range_m: float | None = None,
@@ -34,30 +37,21 @@ def build_map(
 ) -> OccupancyMap:
     """Build the occupancy map of a log.
 
-    A cell is updated by a reading when its centre lies within the model's half-angle of the
-    acoustic axis and within its reach of the sonar. Probabilities are clipped to
-    [1e-6, 1 - 1e-6] and added as log-odds: equation 4.14, whose printed denominator has an index
-    slip (both of its factors belong to reading n). The order of the readings does not matter.
-
     Parameters
     ----------
     log : SonarLog
-        The readings. Stale repeats and too-close readings (``-inf``) are never used.
-    model : SensorModel
-        `StandardModel` or `ParameterizedModel`.
+        The readings. Stale, rejected and too close ones (``-inf``) are never used.
+    model : SensorModel, MappingMethod or callable
+        `StandardModel` or `ParameterizedModel`, whose readings are fused by Bayesian updating
+        (`sonarmap.methods.bayes.updating`); a method of `sonarmap.method`; or a function of a log
+        and a grid that returns P(occupied), shape (rows, cols).
     grid : GridSpec, optional
         Where to map; by default `grid_over` the log at 5 cm.
-    max_range_m : float, optional
-        Readings above it are taken as no echo. By default the ring's maximum range, or the
-        model's if that is less.
-    no_echo : {"ignore", "clear"}
-        What no echo means: nothing, or that the cone is free up to `max_range_m` (less the
-        model's tolerance).
+    max_range_m, no_echo, log_odds_limit
+        Of Bayesian updating with a sensor model, see `BayesUpdating`. A method has parameters of
+        its own.
     poses : {"odometry", "true"}
         Whose poses to use; "true" needs a simulated log.
-    log_odds_limit : float, optional
-        Bound on the absolute log-odds of a cell, > 0. Off by default; with it the order of the
-        readings matters.
 
     Returns
     -------
@@ -66,22 +60,41 @@ def build_map(
     Raises
     ------
     InputError
-        If an argument breaks its rule.
+        If an argument breaks its rule, or belongs to a sensor model and a method is given.
     """
-    one_of("no_echo", no_echo, get_args(NoEcho))
     one_of("poses", poses, get_args(Poses))
-    if not log_odds_limit > 0:
-        raise InputError(f"log_odds_limit must be > 0, got {log_odds_limit!r}")
+    updating: dict[str, Any] = {
+        "max_range_m": max_range_m,
+        "no_echo": no_echo,
+        "log_odds_limit": log_odds_limit,
+    }
+    method: MappingMethod
+    if isinstance(model, SensorModel):
+        method = Bayes(model, **updating)
+    else:
+        method = as_method(model)
+        for name, value in updating.items():
+            if value != getattr(Bayes, name):
+                raise InputError(
+                    f"{name} belongs to a sensor model, got {value!r} with method "
+                    f"{method.name!r}: give it to the method"
+                )
     if poses == "true":
         log = log.at_true_poses()
-    limit_m = reading_limit_m(log, model, max_range_m)
-    if grid is None:
-        grid = grid_over(log, max_range_m=limit_m)
+    return method.map(log, grid_for(log, method) if grid is None else grid)
 
-    used, regions = evidence_of(log, model, limit_m, no_echo)
-    log_odds = np.zeros(grid.shape)
-    _fuse(log_odds, grid, log.sensor_xy_m[used], log.axis_rad[used], model, regions, log_odds_limit)
-    return OccupancyMap(grid, log_odds)
+
+def grid_for(
+    log: SonarLog, method: MappingMethod, *, resolution_m: float = DEFAULT_RESOLUTION_M
+) -> GridSpec:
+    """Return the grid over what a method makes of a log.
+
+    A method that has ``longest_reading_m(ring)`` says by it up to which range it uses readings;
+    data points beyond do not count. See `grid_over`.
+    """
+    longest_m = getattr(method, "longest_reading_m", None)
+    limit_m = None if longest_m is None else longest_m(log.ring)
+    return grid_over(log, resolution_m=resolution_m, max_range_m=limit_m)
 
 
 def grid_over(
@@ -112,64 +125,3 @@ def grid_over(
     x_min, y_min = points.min(axis=0) - margin_m
     x_max, y_max = points.max(axis=0) + margin_m
     return GridSpec.covering(float(x_min), float(y_min), float(x_max), float(y_max), resolution_m)
-
-
-def reading_limit_m(log: SonarLog, model: SensorModel, max_range_m: float | None) -> float:
-    """Return the range above which a reading is taken as no echo, metres."""
-    limit_m = log.ring.range_max_m if max_range_m is None else positive("max_range_m", max_range_m)
-    return min(limit_m, model.range_limit_m)
-
-
-def evidence_of(
-    log: SonarLog, model: SensorModel, limit_m: float, no_echo: NoEcho
-) -> tuple[NDArray[np.bool_], Regions]:
-    """Return which readings say something (a mask), and the regions of those.
-
-    Readings above `limit_m` are taken as no echo.
-    """
-    echo = ~log.stale & (log.range_m <= limit_m) & (log.range_m >= 0)
-    if no_echo == "ignore":
-        return echo, model.regions(log.range_m[echo])
-    used = ~log.stale & (log.range_m >= 0)
-    regions = model.free_regions(np.full(int(used.sum()), limit_m))
-    heard = echo[used]
-    measured = model.regions(log.range_m[echo])
-    regions.border_m[heard] = measured.border_m
-    regions.axis[heard] = measured.axis
-    regions.edge[heard] = measured.edge
-    return used, regions
-
-
-def _fuse(
-    log_odds: NDArray[np.float64],
-    grid: GridSpec,
-    sensor_xy_m: NDArray[np.float64],
-    axis_rad: NDArray[np.float64],
-    model: SensorModel,
-    regions: Regions,
-    limit: float,
-) -> None:
-    from sonarmap.kernels.fusion import (  # numba: loaded when mapping
-        add_readings,
-        bearing_polynomial,
-    )
-
-    add_readings(
-        log_odds,
-        *grid.origin_xy_m,
-        grid.resolution_m,
-        sensor_xy_m,
-        axis_rad,
-        model.half_angle_rad,
-        regions.border_m,
-        regions.axis,
-        regions.edge,
-        bearing_polynomial(model.half_angle_rad),
-        limit,
-    )
-
-
-def one_of(name: str, value: str, known: tuple[str, ...]) -> None:
-    """Raise `InputError` if `value` is none of the known words."""
-    if value not in known:
-        raise InputError(f"{name} {value!r} is unknown{did_you_mean(str(value), known)}")

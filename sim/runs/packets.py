@@ -77,14 +77,16 @@ def in_packets(log: SonarLog, packets: Sequence[tuple[float, Pose]], delay_s: fl
         np.array([getattr(pose, name) for _, pose in packets])[packet]
         for name in ("x_m", "y_m", "heading_rad")
     )
+    # All at once: between two of the columns a log would break its own rules.
     return log.replace(
-        scan=packet,
-        sonar=log.sonar[row],
-        time_s=times[packet],
-        x_m=x_m,
-        y_m=y_m,
-        heading_rad=heading_rad,
-        range_m=log.range_m[row],
-        stale=stale[heard],
+        **{name: getattr(log, name)[row] for name in log.DTYPES}
+        | {
+            "scan": packet,
+            "time_s": times[packet],
+            "x_m": x_m,
+            "y_m": y_m,
+            "heading_rad": heading_rad,
+            "stale": stale[heard],
+        },
         truth=None if log.truth is None else log.truth.select(row),
     )

@@ -11,8 +11,8 @@ Where the paper leaves a gap, these are the rules:
 * A reading without echo is searched up to 5.000 m, the code that the AmigoBot itself gives for
   no echo, or up to the ring's maximum range when that is longer. It marks no cell. When it is
   not updated it stays +inf.
-* A reading that is too close (-inf) takes no part, but its robot and sensor position do. A stale
-  reading is treated like any other.
+* A reading that is too close (-inf), stale or rejected takes no part: it vouches for nothing and is
+  not updated. Its robot and sensor position do take part, for the robot was there.
 * The length of an estimated wall follows the paper's line also for a reading below the ring's
   minimum range (a little less than `min_wall_m` there), but is never less than 0.
 * The paper's ``(xr, yr)`` in the test of the target distance, and its ``(x, y)`` in the new
@@ -24,19 +24,24 @@ Where the paper leaves a gap, these are the rules:
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from enum import IntEnum, StrEnum
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sonarmap.errors import InputError, non_negative, positive
+from sonarmap.filters.protocol import Filtered
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
+from sonarmap.parameters import Real, Space
 from sonarmap.rings import AMIGOBOT, SonarRing
 
 __all__ = [
     "EstimatedWalls",
+    "Hsr",
     "HsrParams",
     "HsrResult",
     "HsrStop",
@@ -156,6 +161,69 @@ class HsrResult:
     stopped: HsrStop
 
 
+@dataclass(frozen=True)
+class Hsr:
+    """HSR as a reading filter; the defaults are the thesis's of experiment 1, `HsrParams.thesis`.
+
+    Parameters
+    ----------
+    min_wall_m, max_wall_m, threshold_m, target_distance_m, cell_m, max_passes
+        See `HsrParams`. A `threshold_m` of None is the ring's maximum range.
+    """
+
+    name: ClassVar[str] = "hsr"
+    source: ClassVar[str] = "Rashid 2006, chapter 6 and appendix A."
+
+    min_wall_m: float = 0.02
+    max_wall_m: float = 0.15
+    threshold_m: float | None = None
+    target_distance_m: float = 0.06
+    cell_m: float = 0.01
+    max_passes: int = 20
+
+    def __post_init__(self) -> None:
+        self.params(AMIGOBOT)  # its rules are the parameters'
+
+    def params(self, ring: SonarRing) -> HsrParams:
+        """Return the parameters for a ring."""
+        chosen = asdict(self)
+        if self.threshold_m is None:
+            chosen["threshold_m"] = ring.range_max_m
+        return HsrParams(**chosen)
+
+    def apply(self, log: SonarLog) -> Filtered:
+        """Return the log as HSR mends it; the report is the `HsrResult`.
+
+        A log in which no reading may vouch for a wall stays as it is, with no report.
+        """
+        params = self.params(log.ring)
+        if not _vouching(_taking_part(log), params).any():
+            return Filtered(log, np.zeros(len(log), bool))
+        result = hsr(log, params)
+        predicted_m = np.where(result.updated, result.log.range_m, np.nan)
+        return Filtered(result.log, result.updated, predicted_m, None, result)
+
+    @classmethod
+    def space(cls) -> Space:
+        """Return what may be searched; ``wall_growth_m`` is `max_wall_m` less `min_wall_m`."""
+        return {
+            "min_wall_m": Real(0.0, 0.2),
+            "wall_growth_m": Real(0.0, 0.4),
+            # Below 0.2 m no reading of a normal drive vouches for anything: HSR is off.
+            "threshold_m": Real(0.2, AMIGOBOT.range_max_m),
+            "target_distance_m": Real(0.0, 0.5),
+        }
+
+    @classmethod
+    def at(cls, point: Mapping[str, float]) -> Hsr:
+        """Return the filter that a point of `space` stands for."""
+        others: dict[str, Any] = dict(point)
+        if "wall_growth_m" in others:
+            shortest_m = others.get("min_wall_m", cls.min_wall_m)
+            others["max_wall_m"] = shortest_m + others.pop("wall_growth_m")
+        return cls(**others)
+
+
 @dataclass(frozen=True, eq=False)
 class EstimatedWalls:
     """ES, the paper's map of positions, readings and estimated walls.
@@ -193,13 +261,14 @@ def hsr(log: SonarLog, params: HsrParams) -> HsrResult:
         have too many cells.
     """
     _check(log, params)
-    drive = _Drive.of(log)
-    range_m = _one_pass(drive, log.range_m, params)
-    kept = [_changes(log.range_m, range_m)]
+    firings = _Firings.of(log)
+    before_m = _taking_part(log)
+    range_m = _one_pass(firings, before_m, params)
+    kept = [_changes(before_m, range_m)]
     rejected: int | None = None
     stopped = HsrStop.MAX_PASSES if kept[0] else HsrStop.NOTHING_CHANGED
     while kept[-1] and len(kept) < params.max_passes:
-        next_m = _one_pass(drive, range_m, params)
+        next_m = _one_pass(firings, range_m, params)
         changes = _changes(range_m, next_m)
         reason = _reason_to_stop(changes, kept)
         if reason is not None:
@@ -208,8 +277,9 @@ def hsr(log: SonarLog, params: HsrParams) -> HsrResult:
         kept.append(changes)
         range_m = next_m
 
-    updated = range_m != log.range_m
+    updated = range_m != before_m
     updated.flags.writeable = False
+    range_m = np.where(updated, range_m, log.range_m)
     runs = [*log.provenance.get("hsr", []), {**asdict(params), "updates_per_pass": kept}]
     return HsrResult(
         log=log.replace(range_m=range_m, provenance={**log.provenance, "hsr": runs}),
@@ -229,13 +299,14 @@ def estimate_variant_walls(log: SonarLog, params: HsrParams) -> EstimatedWalls:
         As `hsr`.
     """
     _check(log, params)
-    drive = _Drive.of(log)
-    points_m = _process_readings(drive, log.range_m)
-    return _estimate_variant_walls(drive, log.range_m, points_m, params)
+    firings = _Firings.of(log)
+    range_m = _taking_part(log)
+    points_m = _process_readings(firings, range_m)
+    return _estimate_variant_walls(firings, range_m, points_m, params)
 
 
 @dataclass(frozen=True, eq=False)
-class _Drive:
+class _Firings:
     """What no pass changes: positions (n, 2) and unit vectors of the axes (n, 2)."""
 
     ring: SonarRing
@@ -244,7 +315,7 @@ class _Drive:
     along: NDArray[np.float64]
 
     @classmethod
-    def of(cls, log: SonarLog) -> _Drive:
+    def of(cls, log: SonarLog) -> _Firings:
         axis = log.axis_rad
         return cls(
             log.ring,
@@ -255,27 +326,27 @@ class _Drive:
 
 
 def _one_pass(
-    drive: _Drive, range_m: NDArray[np.float64], params: HsrParams
+    firings: _Firings, range_m: NDArray[np.float64], params: HsrParams
 ) -> NDArray[np.float64]:
     """Return the readings after one pass: ``HSR`` of the paper."""
     # Step 1: processing sensor readings.
-    points_m = _process_readings(drive, range_m)
+    points_m = _process_readings(firings, range_m)
     # Step 2: estimating variant walls.
-    es = _estimate_variant_walls(drive, range_m, points_m, params)
+    es = _estimate_variant_walls(firings, range_m, points_m, params)
     # Step 3: finding and updating specularly reflected readings.
-    return _update(drive, range_m, points_m, es, params)
+    return _update(firings, range_m, points_m, es, params)
 
 
-def _process_readings(drive: _Drive, range_m: NDArray[np.float64]) -> NDArray[np.float64]:
+def _process_readings(firings: _Firings, range_m: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the data points, metres, shape (n, 2); NaN for a reading that takes no part."""
-    reach_m = np.where(range_m == np.inf, max(NO_ECHO_M, drive.ring.range_max_m), range_m)
+    reach_m = np.where(range_m == np.inf, max(NO_ECHO_M, firings.ring.range_max_m), range_m)
     reach_m[range_m == -np.inf] = np.nan
-    points_m: NDArray[np.float64] = drive.sensor_xy_m + reach_m[:, None] * drive.along
+    points_m: NDArray[np.float64] = firings.sensor_xy_m + reach_m[:, None] * firings.along
     return points_m
 
 
 def _estimate_variant_walls(
-    drive: _Drive,
+    firings: _Firings,
     range_m: NDArray[np.float64],
     points_m: NDArray[np.float64],
     params: HsrParams,
@@ -284,23 +355,23 @@ def _estimate_variant_walls(
 
     vouching = _vouching(range_m, params)
     points_m = points_m[vouching]
-    half_m = _wall_length_m(range_m[vouching], drive.ring, params) / 2
-    across = drive.along[vouching, ::-1] * [-1, 1]
+    half_m = _wall_length_m(range_m[vouching], firings.ring, params) / 2
+    across = firings.along[vouching, ::-1] * [-1, 1]
     begins_m = points_m - half_m[:, None] * across
     ends_m = points_m + half_m[:, None] * across
 
-    grid = _grid_over([drive.robot_xy_m, drive.sensor_xy_m, points_m, begins_m, ends_m], params)
+    grid = _grid_over([firings.robot_xy_m, firings.sensor_xy_m, points_m, begins_m, ends_m], params)
     where = (*grid.origin_xy_m, grid.resolution_m)
     marks = np.zeros(grid.shape, np.uint8)
     mark_lines(marks, *where, begins_m, ends_m, Mark.WALL.value)
     mark_points(marks, *where, points_m, Mark.READING.value)
-    mark_points(marks, *where, drive.robot_xy_m, Mark.POSITION.value)
-    mark_points(marks, *where, drive.sensor_xy_m, Mark.POSITION.value)
+    mark_points(marks, *where, firings.robot_xy_m, Mark.POSITION.value)
+    mark_points(marks, *where, firings.sensor_xy_m, Mark.POSITION.value)
     return EstimatedWalls(grid, marks)
 
 
 def _update(
-    drive: _Drive,
+    firings: _Firings,
     range_m: NDArray[np.float64],
     points_m: NDArray[np.float64],
     es: EstimatedWalls,
@@ -314,9 +385,9 @@ def _update(
         king_distance(es.marks, Mark.WALL.value, Mark.READING.value),
         *es.grid.origin_xy_m,
         es.grid.resolution_m,
-        drive.sensor_xy_m,
+        firings.sensor_xy_m,
         points_m,
-        drive.ring.range_max_m,
+        firings.ring.range_max_m,
         params.target_distance_m,
         updated_m,
     )
@@ -344,6 +415,11 @@ def _grid_over(places_m: list[NDArray[np.float64]], params: HsrParams) -> GridSp
         raise InputError(f"cell_m is too small for a log this wide: {error}") from None
 
 
+def _taking_part(log: SonarLog) -> NDArray[np.float64]:
+    """Return the readings, metres; those that take no part are taken for too close."""
+    return np.where(log.usable, log.range_m, -np.inf)
+
+
 def _vouching(range_m: NDArray[np.float64], params: HsrParams) -> NDArray[np.bool_]:
     """Return which readings are marked on ES with their walls."""
     vouching: NDArray[np.bool_] = (range_m >= 0) & (range_m <= params.threshold_m)
@@ -356,7 +432,7 @@ def _check(log: SonarLog, params: HsrParams) -> None:
             f"threshold_m must be <= the ring's range_max_m {log.ring.range_max_m:g}, "
             f"got {params.threshold_m!r}"
         )
-    if not _vouching(log.range_m, params).any():
+    if not _vouching(_taking_part(log), params).any():
         raise InputError(
             f"the log must have a reading up to threshold_m {params.threshold_m!r}, got none "
             f"in {len(log)} readings"

@@ -1,12 +1,34 @@
-"""Readings that a log repeats although the sonar has not fired again."""
+"""Stale marking: readings that a log repeats although the sonar has not fired again."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
+from sonarmap.filters.protocol import Filtered
 from sonarmap.log import SonarLog
+from sonarmap.parameters import Space
 
-__all__ = ["mark_stale"]
+__all__ = ["MarkStale", "mark_stale"]
+
+
+@dataclass(frozen=True)
+class MarkStale:
+    """Marks exact repeats of a sonar's reading as stale, see `mark_stale`."""
+
+    name: ClassVar[str] = "stale"
+    source: ClassVar[str] = "Ours: robots log values again that were measured rows ago."
+
+    def apply(self, log: SonarLog) -> Filtered:
+        """Return the log with its repeats marked; it changes and rejects nothing."""
+        return Filtered(mark_stale(log), np.zeros(len(log), bool))
+
+    @classmethod
+    def space(cls) -> Space:
+        """Return nothing: it has no parameters."""
+        return {}
 
 
 def mark_stale(log: SonarLog) -> SonarLog:

@@ -18,9 +18,6 @@ __all__ = ["GridTruth", "MapScore", "ToleranceCount", "score_map"]
 
 # States of a true cell, as `worlds.CellState` numbers them.
 _OCCUPIED, _HIDDEN = 1, 2
-# A cell counts as known to be occupied or free beyond these, ROS map_server's upper limit and its
-# mirror image.
-OCCUPIED_FROM, FREE_UP_TO = 0.65, 0.35
 # Every method's probabilities are clamped alike, or one confident error would cost infinitely
 # much: the worst cell scores 1 + log2(0.01) = -5.64 bits.
 CLAMP = 0.01
@@ -72,9 +69,9 @@ class MapScore:
     cells : int
         Scored cells, N.
     truth_occupied, map_occupied : int
-        Of these, occupied in truth; in the map (P >= 0.65).
+        Of these, occupied in truth; in the map (`OccupancyMap.occupied`, by default P >= 0.65).
     known : int
-        Cells with P <= 0.35 or P >= 0.65.
+        Cells that the map calls occupied or free (by default P <= 0.35).
     false_free, phantom : int
         Occupied cells mapped as free; free cells mapped as occupied.
     bits : float
@@ -224,7 +221,7 @@ def score_map(
     Parameters
     ----------
     m : OccupancyMap
-        The map.
+        The map, or anything with ``.grid`` and ``.probability``, see `OccupancyMap.of`.
     truth : GridTruth
         The truth on the same grid, as `worlds.truth` makes it. Hidden cells are never scored.
     observable : ndarray of bool, shape (rows, cols), optional
@@ -238,12 +235,14 @@ def score_map(
     Raises
     ------
     InputError
-        If the grids differ, or no cell is left to score.
+        If it is no map, the grids differ, or no cell is left to score.
 
     Notes
     -----
-    Occupied in the map is P >= 0.65. Distances are between cell centres, within the scored cells.
+    What counts as occupied and as free in the map is the map's own to say. Distances are between
+    cell centres, within the scored cells.
     """
+    m = OccupancyMap.of(m)
     if m.grid != truth.grid:
         raise InputError(f"map and truth must have the same grid, got {m.grid} and {truth.grid}")
     scored = truth.state != _HIDDEN
@@ -257,7 +256,7 @@ def score_map(
         raise InputError("no cell is left to score: none is observable")
 
     p = m.probability
-    occupied_map = scored & (p >= OCCUPIED_FROM)
+    occupied_map, free_map = scored & m.occupied, scored & m.free
     occupied_truth = scored & (truth.state == _OCCUPIED)
     to_truth_m = _distance_m(occupied_truth, m.grid)[occupied_map]
     to_map_m = _distance_m(occupied_map, m.grid)[occupied_truth]
@@ -271,15 +270,16 @@ def score_map(
         for tolerance_m in (m.grid.resolution_m, *TOLERANCES_M)
     )
     p, g = p[scored], occupied_truth[scored]
+    occupied, free = occupied_map[scored], free_map[scored]
     clamped = p.clip(CLAMP, 1 - CLAMP)
     return MapScore(
         resolution_m=m.grid.resolution_m,
         cells=int(scored.sum()),
         truth_occupied=int(g.sum()),
         map_occupied=int(occupied_map.sum()),
-        known=int(((p <= FREE_UP_TO) | (p >= OCCUPIED_FROM)).sum()),
-        false_free=int((g & (p <= FREE_UP_TO)).sum()),
-        phantom=int((~g & (p >= OCCUPIED_FROM)).sum()),
+        known=int((occupied | free).sum()),
+        false_free=int((g & free).sum()),
+        phantom=int((~g & occupied).sum()),
         bits=float((1 + np.log2(np.where(g, clamped, 1 - clamped))).sum()),
         squared_error=float(((p - g) ** 2).sum()),
         map_sum=float(p.sum()),

@@ -12,8 +12,10 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import rankdata
 
-from sonarmap.errors import InputError, did_you_mean, first_row
+from sonarmap.errors import InputError, first_row, one_of
+from sonarmap.filters.protocol import Filtered
 from sonarmap.log import Cause, SonarLog
 
 __all__ = ["Against", "Beyond", "Group", "RangeErrors", "ReadingScore", "When", "score_readings"]
@@ -27,6 +29,8 @@ Against = Literal["cone", "axis"]
 BEYOND_M = (0.1, 0.3)
 # An updated reading is near to a truth up to here.
 NEAR_M = 0.1
+# What a filter that rejects by its doubt may cost: one right reading in a hundred.
+LOST_SHARE = 0.01
 # Forgives the rounding of an error that equals a limit.
 _SLACK_M = 1e-9
 
@@ -116,6 +120,10 @@ class ReadingScore:
     cone_before_m, cone_after_m, axis_before_m, axis_after_m : ndarray, shape (n,)
         Reading less truth, metres: against the nearest surface in the cone and against the first
         on the axis, before and after.
+    rejected : ndarray of bool, shape (n,), optional
+        Which readings were rejected. None: no reading was.
+    doubt : ndarray, shape (n,), optional
+        Probability that a reading is wrong, by the filter; NaN for no opinion, the default.
     """
 
     cause: NDArray[np.int8]
@@ -124,8 +132,13 @@ class ReadingScore:
     cone_after_m: NDArray[np.float64]
     axis_before_m: NDArray[np.float64]
     axis_after_m: NDArray[np.float64]
+    rejected: NDArray[np.bool_] = None  # type: ignore[assignment]  # filled below
+    doubt: NDArray[np.float64] = None  # type: ignore[assignment]  # filled below
 
     def __post_init__(self) -> None:
+        for name, unmarked in (("rejected", False), ("doubt", math.nan)):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, np.full(np.size(self.cause), unmarked))
         for name in self.__dataclass_fields__:
             column = np.array(getattr(self, name))
             column.flags.writeable = False
@@ -189,6 +202,62 @@ class ReadingScore:
         return int(self.is_spoiled.sum())
 
     @property
+    def caught(self) -> int:
+        """Number of wrong readings that were rejected."""
+        return int((self.is_wrong & self.rejected).sum())
+
+    @property
+    def lost(self) -> int:
+        """Number of right readings that were rejected."""
+        return int((~self.is_wrong & self.rejected).sum())
+
+    @property
+    def caught_share(self) -> float:
+        """Share of the wrong readings that were rejected; NaN if none was wrong."""
+        return _ratio(self.caught, self.wrong)
+
+    @property
+    def lost_share(self) -> float:
+        """Share of the right readings that were rejected; NaN if none was right."""
+        return _ratio(self.lost, self.right)
+
+    @property
+    def roc_auc(self) -> float:
+        """Area under the ROC curve of the doubt over the readings that have one.
+
+        The probability that a wrong reading is doubted more than a right one, equal doubts
+        counting half (Mann and Whitney's statistic); NaN unless both kinds are there.
+        """
+        doubt, wrong = self._doubted
+        positives, negatives = int(wrong.sum()), int((~wrong).sum())
+        if not positives or not negatives:
+            return math.nan
+        ranks = rankdata(doubt)
+        above = ranks[wrong].sum() - positives * (positives + 1) / 2
+        return float(above / (positives * negatives))
+
+    @property
+    def caught_at_lost_1_percent(self) -> float:
+        """Share of the wrong readings caught by the lowest threshold of doubt that is allowed.
+
+        A reading is caught, or lost, when its doubt is at least the threshold; at most 1 % of the
+        right readings may be lost. Over the readings that have a doubt; NaN unless both kinds are
+        there.
+        """
+        doubt, wrong = self._doubted
+        if not wrong.any() or wrong.all():
+            return math.nan
+        right = np.sort(doubt[~wrong])[::-1]
+        allowed = int(LOST_SHARE * right.size + _SLACK_M)
+        # All above the first right reading that may not be lost.
+        return float((doubt[wrong] > right[allowed]).mean())
+
+    @property
+    def _doubted(self) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        known = ~np.isnan(self.doubt)
+        return self.doubt[known], self.is_wrong[known]
+
+    @property
     def precision(self) -> float:
         """Share of the updated readings that were wrong; NaN if none was updated."""
         return _ratio(self.wrong_updated, self.wrong_updated + self.right_updated)
@@ -221,8 +290,7 @@ class ReadingScore:
             ("when", when, get_args(When)),
             ("against", against, get_args(Against)),
         ):
-            if word not in known:
-                raise InputError(f"{name} {word!r} is unknown{did_you_mean(str(word), known)}")
+            one_of(name, word, known)
         errors_m: NDArray[np.float64] = getattr(self, f"{against}_{when}_m")
         wrong = self.is_wrong
         wanted = {"all": np.ones_like(wrong), "wrong": wrong, "right": ~wrong}[group]
@@ -230,12 +298,34 @@ class ReadingScore:
 
     def to_dict(self) -> dict[str, Any]:
         """Return scores and counts as JSON-able values; None for a score that is not defined."""
-        scores = ("precision", "recall", "mended_share", "spoiled_share")
-        counts = ("wrong", "right", "wrong_updated", "right_updated", "mended", "spoiled")
+        scores = (
+            "precision",
+            "recall",
+            "mended_share",
+            "spoiled_share",
+            "caught_share",
+            "lost_share",
+            "roc_auc",
+            "caught_at_lost_1_percent",
+        )
+        counts = (
+            "wrong",
+            "right",
+            "wrong_updated",
+            "right_updated",
+            "mended",
+            "spoiled",
+            "caught",
+            "lost",
+        )
         return {
             **{name: _defined(getattr(self, name)) for name in scores},
             "counts": {"readings": len(self), **{name: getattr(self, name) for name in counts}},
             "causes": {cause.name.lower(): self._counts_of(cause) for cause in Cause},
+            "rejected": {
+                cause.name.lower(): int((self.rejected & (self.cause == cause)).sum())
+                for cause in Cause
+            },
             "errors": {
                 group: {
                     when: {
@@ -264,20 +354,21 @@ class ReadingScore:
         }
 
 
-def score_readings(before: SonarLog, after: SonarLog) -> ReadingScore:
+def score_readings(before: SonarLog, after: SonarLog | Filtered) -> ReadingScore:
     """Score what a filter made of a log's readings.
 
     Parameters
     ----------
     before : SonarLog
         The log as it was recorded; its truth judges both.
-    after : SonarLog
-        The same readings of the same drive, filtered.
+    after : SonarLog or Filtered
+        The same readings of the same drive, filtered; its ``rejected`` and ``doubt`` count too.
 
     Returns
     -------
     ReadingScore
-        Of all readings but stale ones, which only repeat another reading.
+        Of all readings but those that were stale (they only repeat another reading) or rejected
+        already before.
 
     Raises
     ------
@@ -291,9 +382,11 @@ def score_readings(before: SonarLog, after: SonarLog) -> ReadingScore:
     is the minimum range. No echo of nothing in range is thus no error, and no echo of a wall at
     1 m is, on a ring for 3 m, too long by 2 m.
     """
+    if isinstance(after, Filtered):
+        after = after.log
     truth = before.require_truth("the score of readings")
     _check_same_drive(before, after)
-    judged = ~before.stale
+    judged = before.usable
     ring = before.ring
 
     def error_m(range_m: NDArray[np.float64], true_m: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -310,6 +403,8 @@ def score_readings(before: SonarLog, after: SonarLog) -> ReadingScore:
         cone_after_m=error_m(after.range_m, truth.cone_range_m),
         axis_before_m=error_m(before.range_m, truth.axis_range_m),
         axis_after_m=error_m(after.range_m, truth.axis_range_m),
+        rejected=after.rejected[judged],
+        doubt=after.doubt[judged],
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 
 import sonarmap as sm
 from sonarmap import goodness
+from sonarmap.methods.bayes import spread
 
 RING = sm.SonarRing("pointer", [0.0], [0.0], [0.0], math.radians(15), 0.165, 3.0)
 PARAMETERIZED = sm.ParameterizedModel(0.03, 0.1, 0.08, 0.97, math.radians(15))
@@ -105,7 +106,7 @@ def test_equals_the_twin_that_keeps_every_probability(max_range_m):
 def test_map_is_build_maps_also_when_listed_part_by_part(monkeypatch, no_echo, most_cells):
     log = random_log(80, seed=2)
     if most_cells is not None:
-        monkeypatch.setattr(goodness, "_MOST_CELLS", most_cells)
+        monkeypatch.setattr(spread, "_MOST_CELLS", most_cells)
     results = goodness.map_and_spread(log, MODELS, GRID, max_range_m=1.2, no_echo=no_echo)
     for model, (m, _) in zip(MODELS, results, strict=True):
         expected = sm.build_map(log, model, GRID, max_range_m=1.2, no_echo=no_echo)

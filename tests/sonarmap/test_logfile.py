@@ -119,7 +119,11 @@ def test_a_foreign_parquet_file(tmp_path):
         ("[]", "its 'sonarbed' metadata is damaged"),
         ("{}", "its 'sonarbed' metadata is damaged"),
         ('{"format_version": 2}', "its 'sonarbed' metadata is damaged"),
-        ('{"format_version": 1}', "format version must be 2, got 1"),
+        ('{"format_version": 3}', "its 'sonarbed' metadata is damaged"),
+        ('{"format_version": 0}', "format version must be 1 to 3, got 0"),
+        ('{"format_version": 4}', "format version must be 1 to 3, got 4"),
+        ('{"format_version": "3"}', "format version must be 1 to 3, got '3'"),
+        ('{"format_version": true}', "format version must be 1 to 3, got True"),
         (
             '{"format_version": 2, "ring": {"name": "x"}, "provenance": {}}',
             "ring: .*missing.*'x_m'.*",

@@ -8,7 +8,8 @@ import numpy as np
 from numba import njit, prange
 
 from sonarmap.kernels.fusion import cone_evidence
-from sonarmap.scores.maps import CLAMP, FREE_UP_TO
+from sonarmap.occupancy import FREE_UP_TO
+from sonarmap.scores.maps import CLAMP
 
 __all__ = [
     "FREE",

@@ -21,7 +21,7 @@ from sim.envs.policies.kernel import step_towards
 from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import SonarRing, ring
 from sonarmap.errors import positive
-from sonarmap.scores.maps import FREE_UP_TO, OCCUPIED_FROM
+from sonarmap.occupancy import FREE_UP_TO, OCCUPIED_FROM
 
 __all__ = ["Policy", "frontier_policy", "random_policy", "wall_follow_policy"]
 

@@ -1,1 +1,1 @@
-"""Bayesian updating with inverse sensor models."""
+"""Bayesian updating of an occupancy grid with an inverse sensor model."""

@@ -185,7 +185,7 @@ def full_disk(*args, **kwargs):
 @pytest.mark.engine
 def test_a_full_disk_is_one_line_and_keeps_the_older_log(refused, tmp_path, monkeypatch):
     before = state(tmp_path)
-    monkeypatch.setattr("sonarmap.logfile.pq.write_table", full_disk)
+    monkeypatch.setattr("sonarmap.parquet.pq.write_table", full_disk)
     complaint = refused("simulate thesis-exp1 --scans 2 --out good.parquet")
     assert complaint == "good.parquet: cannot be written: No space left on device"
     assert state(tmp_path) == before

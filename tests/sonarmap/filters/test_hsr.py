@@ -45,6 +45,7 @@ def slow_samples(a, b):
 def slow_pass(log, range_m, params):
     """Return the readings after one pass, the grid and the marks."""
     ring, n = log.ring, len(log)
+    takes_part = ~log.stale & ~log.rejected
     robot, sensor = np.column_stack([log.x_m, log.y_m]), log.sensor_xy_m
     cos, sin = np.cos(log.axis_rad), np.sin(log.axis_rad)
     code_m = np.where(np.isinf(range_m), max(5.0, ring.range_max_m), range_m)
@@ -54,7 +55,7 @@ def slow_pass(log, range_m, params):
 
     walls = {}
     for i in range(n):
-        if 0 <= range_m[i] <= params.threshold_m:
+        if takes_part[i] and 0 <= range_m[i] <= params.threshold_m:
             slope = (params.max_wall_m - params.min_wall_m) * (
                 (range_m[i] - ring.range_min_m) / (ring.range_max_m - ring.range_min_m)
             )
@@ -81,7 +82,7 @@ def slow_pass(log, range_m, params):
 
     after = range_m.copy()
     for i in range(n):
-        if range_m[i] == -np.inf:
+        if range_m[i] == -np.inf or not takes_part[i]:
             continue
         x, y = slow_samples(sensor[i], point[i])
         distance = np.sqrt((x - sensor[i][0]) ** 2 + (y - sensor[i][1]) ** 2)
@@ -128,6 +129,7 @@ def random_log(rng, ring, n):
         heading_rad=rng.uniform(-math.pi, math.pi, n),
         range_m=range_m,
         stale=rng.random(n) < 0.1,
+        rejected=rng.random(n) < 0.1,
     )
 
 

@@ -15,7 +15,7 @@ from sonarbed.reporting.statistics import Estimate, mean_of
 from sonarbed.studies.thesis.free_space import NEAR_M, FreeSpace, plotted_points, score_points
 from sonarbed.studies.thesis.wall_pairs import Experiment, Opening, Pair
 from sonarmap.mapping import NoEcho
-from sonarmap.scores.maps import FREE_UP_TO, OCCUPIED_FROM
+from sonarmap.occupancy import FREE_UP_TO, OCCUPIED_FROM
 
 __all__ = ["MODEL", "POLICIES", "Room", "Sweep", "SweepTask", "opening_shares", "swept"]
 

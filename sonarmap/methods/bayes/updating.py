@@ -1,0 +1,181 @@
+"""Bayesian updating: the log-odds of readings, added cell by cell (Rashid 2006, section 4.4).
+
+A cell is updated by a reading when its centre lies within the model's half-angle of the acoustic
+axis and within its reach of the sonar. Probabilities are clipped to [1e-6, 1 - 1e-6] and added as
+log-odds: equation 4.14, whose printed denominator has an index slip (both of its factors belong to
+reading n). Without a limit on the sum the order of the readings does not matter.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonarmap.errors import InputError, one_of, positive
+from sonarmap.grid import GridSpec
+from sonarmap.log import SonarLog
+from sonarmap.methods.bayes.models import Regions, SensorModel
+from sonarmap.occupancy import OccupancyMap
+from sonarmap.parameters import Space
+from sonarmap.rings import SonarRing
+
+__all__ = ["Bayes", "BayesMap", "BayesUpdating", "NoEcho", "evidence_of", "reading_limit_m"]
+
+NoEcho = Literal["ignore", "clear"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BayesUpdating(ABC):
+    """What all methods of Bayesian updating have in common.
+
+    Parameters
+    ----------
+    no_echo : {"ignore", "clear"}
+        What no echo means: nothing, or that the cone is free up to the longest reading used (less
+        the model's tolerance).
+    max_range_m : float, optional
+        Readings above it are taken as no echo, metres, > 0. By default the ring's maximum range,
+        or the model's if that is less.
+    log_odds_limit : float
+        Bound on the absolute log-odds of a cell, > 0. Off by default; with it the order of the
+        readings matters.
+    """
+
+    name: ClassVar[str]
+    source: ClassVar[str]
+
+    no_echo: NoEcho = "ignore"
+    max_range_m: float | None = None
+    log_odds_limit: float = math.inf
+
+    def __post_init__(self) -> None:
+        one_of("no_echo", self.no_echo, get_args(NoEcho))
+        if self.max_range_m is not None:
+            positive("max_range_m", self.max_range_m)
+        if not self.log_odds_limit > 0:
+            raise InputError(f"log_odds_limit must be > 0, got {self.log_odds_limit!r}")
+
+    @abstractmethod
+    def sensor_model(self, ring: SonarRing) -> SensorModel:
+        """Return the sensor model for a ring."""
+
+    @classmethod
+    @abstractmethod
+    def space(cls) -> Space:
+        """Return what may be searched."""
+
+    def longest_reading_m(self, ring: SonarRing) -> float:
+        """Return the range above which a reading is taken as no echo, metres."""
+        return reading_limit_m(ring, self.sensor_model(ring), self.max_range_m)
+
+    def map(self, log: SonarLog, grid: GridSpec) -> OccupancyMap:
+        """Return the map of a log on a grid."""
+        built = self.begin(log.ring, grid)
+        built.add(log)
+        return built.map
+
+    def begin(self, ring: SonarRing, grid: GridSpec) -> BayesMap:
+        """Return an empty map, to which readings are added one at a time."""
+        return BayesMap(self, ring, grid)
+
+
+@dataclass(frozen=True)
+class Bayes(BayesUpdating):
+    """Bayesian updating with a sensor model that is at hand.
+
+    Parameters
+    ----------
+    model : SensorModel
+        What a reading says of the cells in its cone.
+    no_echo, max_range_m, log_odds_limit
+        See `BayesUpdating`.
+    """
+
+    name: ClassVar[str] = "bayes"
+    source: ClassVar[str] = "Rashid 2006, section 4.4, with a sensor model of one's own"
+
+    model: SensorModel
+
+    def sensor_model(self, ring: SonarRing) -> SensorModel:
+        """Return the model, whatever the ring."""
+        return self.model
+
+    @classmethod
+    def space(cls) -> Space:
+        """Return nothing: the model is given."""
+        return {}
+
+
+class BayesMap:
+    """A map that Bayesian updating grows reading by reading."""
+
+    def __init__(self, method: BayesUpdating, ring: SonarRing, grid: GridSpec) -> None:
+        self._method, self._ring, self._grid = method, ring, grid
+        self._model = method.sensor_model(ring)
+        self._limit_m = reading_limit_m(ring, self._model, method.max_range_m)
+        self._log_odds = np.zeros(grid.shape)
+
+    def add(self, readings: SonarLog) -> None:
+        """Add the evidence of readings of the ring.
+
+        Raises
+        ------
+        InputError
+            If they are of another ring.
+        """
+        if readings.ring != self._ring:
+            raise InputError(
+                f"readings must be of the ring {self._ring.name!r}, got {readings.ring.name!r}"
+            )
+        used, regions = evidence_of(readings, self._model, self._limit_m, self._method.no_echo)
+        from sonarmap.kernels.fusion import add_readings, bearing_polynomial  # numba
+
+        add_readings(
+            self._log_odds,
+            *self._grid.origin_xy_m,
+            self._grid.resolution_m,
+            readings.sensor_xy_m[used],
+            readings.axis_rad[used],
+            self._model.half_angle_rad,
+            regions.border_m,
+            regions.axis,
+            regions.edge,
+            bearing_polynomial(self._model.half_angle_rad),
+            self._method.log_odds_limit,
+        )
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far."""
+        return OccupancyMap(self._grid, self._log_odds)
+
+
+def reading_limit_m(ring: SonarRing, model: SensorModel, max_range_m: float | None) -> float:
+    """Return the range above which a reading is taken as no echo, metres."""
+    limit_m = ring.range_max_m if max_range_m is None else positive("max_range_m", max_range_m)
+    return min(limit_m, model.range_limit_m)
+
+
+def evidence_of(
+    log: SonarLog, model: SensorModel, limit_m: float, no_echo: NoEcho
+) -> tuple[NDArray[np.bool_], Regions]:
+    """Return which readings say something (a mask), and the regions of those.
+
+    Readings above `limit_m` are taken as no echo; stale, rejected and too close ones say nothing.
+    """
+    known = log.usable & (log.range_m >= 0)
+    echo = known & (log.range_m <= limit_m)
+    if no_echo == "ignore":
+        return echo, model.regions(log.range_m[echo])
+    regions = model.free_regions(np.full(int(known.sum()), limit_m))
+    heard = echo[known]
+    measured = model.regions(log.range_m[echo])
+    regions.border_m[heard] = measured.border_m
+    regions.axis[heard] = measured.axis
+    regions.edge[heard] = measured.edge
+    return known, regions
