@@ -14,8 +14,8 @@ from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.methods.bayes.models import SensorModel
 from sonarmap.methods.bayes.updating import Bayes, NoEcho
+from sonarmap.methods.choosing import as_method
 from sonarmap.methods.protocol import MappingMethod
-from sonarmap.methods.registry import as_method
 from sonarmap.occupancy import OccupancyMap
 
 __all__ = ["Poses", "build_map", "grid_for", "grid_over"]

@@ -121,7 +121,7 @@ def from_text(kind: str, part: type, settings: Mapping[str, str]) -> dict[str, A
         in_degrees = given.endswith("_deg") and given not in known
         name = given.removesuffix("_deg") + "_rad" if in_degrees else given
         if name not in known:
-            names = [n for known_name in known for n in (known_name, _degrees(known_name))]
+            names = {n for known_name in known for n in (known_name, _degrees(known_name))}
             raise InputError(f"{kind} has no parameter {given!r}{did_you_mean(given, names)}")
         if name in values:
             raise InputError(f"{kind}: {name!r} is given twice")

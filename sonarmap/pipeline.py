@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from sonarmap.errors import InputError
+from sonarmap.filters.choosing import as_filter
 from sonarmap.filters.protocol import Filtered, ReadingFilter
-from sonarmap.filters.registry import as_filter
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
+from sonarmap.methods.choosing import as_method
 from sonarmap.methods.protocol import MappingMethod
-from sonarmap.methods.registry import as_method
 from sonarmap.occupancy import OccupancyMap
 
 __all__ = ["Pipeline", "apply_all"]

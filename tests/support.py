@@ -48,7 +48,7 @@ def make_log(range_m, *, ring=ONE, **columns):
 
 
 def random_log(rng, n=40, *, ring=THREE, reach_m=2.0, spread_m=1.0, truth=False):
-    """Return a log of random poses and readings, some without an echo, too close or stale."""
+    """Return a log of random poses and readings, some without echo, too close, stale, rejected."""
     range_m = rng.uniform(0.05, reach_m, n)
     range_m[rng.random(n) < 0.2] = np.inf
     range_m[rng.random(n) < 0.1] = -np.inf
@@ -60,6 +60,8 @@ def random_log(rng, n=40, *, ring=THREE, reach_m=2.0, spread_m=1.0, truth=False)
         y_m=rng.uniform(-spread_m, spread_m, n),
         heading_rad=rng.uniform(-7, 7, n),
         stale=rng.random(n) < 0.1,
+        rejected=rng.random(n) < 0.1,
+        doubt=np.where(rng.random(n) < 0.3, np.nan, rng.random(n)),
         truth=random_truth(rng, n) if truth else None,
         provenance={"source": "test", "seed": 1},
     )

@@ -13,6 +13,7 @@ from typer.exceptions import TyperException
 
 from sonarbed.commands.acoustics import acoustics
 from sonarbed.commands.demo import demo
+from sonarbed.commands.filtering import filter_
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
@@ -31,7 +32,7 @@ BAD_INPUT, INTERRUPTED = 2, 130
 app = typer.Typer(
     name="sonarbed",
     help="Sonar mapping for small robots, judged by ground truth.",
-    epilog="World -> drive -> log (-> HSR) -> map -> score: each is a file to start from.",
+    epilog="World -> drive -> log (-> filters) -> map -> score: each is a file to start from.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode="rich",
@@ -42,6 +43,7 @@ app.command()(demo)
 app.command()(worlds)
 app.command()(simulate)
 app.command("import")(import_)
+app.command("filter")(filter_)
 app.command()(hsr)
 app.command("map")(map_)
 app.command()(score)
@@ -54,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; errors are one line on standard error."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
-        with _terminated_like_interrupted():
+        with _terminated_like_interrupted(), _modules_of_this_folder():
             code = app(arguments, prog_name="sonarbed", standalone_mode=False)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
@@ -91,6 +93,17 @@ def _terminated_like_interrupted() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+@contextmanager
+def _modules_of_this_folder() -> Iterator[None]:
+    """Let ``package.module:Name`` find modules of the folder that the command is run in."""
+    folder = os.getcwd()  # noqa: PTH109 - an entry of sys.path is a string
+    sys.path.append(folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)
 
 
 def _fail(message: str, code: int = BAD_INPUT) -> int:

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from contextlib import suppress
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
-    from sonarmap import SensorModel, SonarRing
     from worlds import World
 
 __all__ = [
     "Json",
-    "ModelName",
+    "Param",
     "Png",
     "Setting",
     "check_writable",
+    "listed",
     "load_world",
-    "make_model",
+    "make_part",
 ]
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON for programs instead of a table.")]
@@ -30,49 +29,56 @@ Setting = Annotated[
     typer.Option("--set", metavar="NAME=NUMBER", help="A parameter of the room; repeatable."),
 ]
 Png = Annotated[Path | None, typer.Option("--png", help="Draw a picture into this .png file.")]
+Param = Annotated[
+    list[str] | None,
+    typer.Option("--param", metavar="NAME=VALUE", help="A parameter of it; repeatable."),
+]
 
 
-# The thesis's gap at the border, figure 5.8 b; here so that help can name it.
-P2 = 0.15
+def listed(names: Iterable[str]) -> str:
+    """Return names as a help text lists them: "one, two or three"."""
+    *first, last = names
+    return f"{', '.join(first)} or {last}" if first else last
 
 
-class ModelName(StrEnum):
-    """Sensor models by name."""
+def make_part(kind: str, name: str, settings: list[str] | None, **short: Any) -> Any:
+    """Return the mapping method or reading filter that the options of a command describe.
 
-    PARAMETERIZED = "parameterized"
-    STANDARD = "standard"
+    Parameters
+    ----------
+    kind : {"method", "filter"}
+        What it is.
+    name : str
+        Its name, or ``package.module:Name``.
+    settings : list of str or None
+        ``NAME=VALUE`` each, as ``--param`` takes them.
+    **short
+        Parameters that other options gave, None where they did not.
+    """
+    import sonarmap as sm
+    from sonarmap.parameters import from_text
 
-
-def make_model(
-    name: ModelName,
-    ring: SonarRing,
-    *,
-    beta_deg: float | None,
-    tolerance_m: float,
-    max_occupied: float,
-    p1: float | None,
-    p2: float | None,
-    max_range_m: float,
-) -> SensorModel:
-    """Return the sensor model that the options of a command describe, for a robot's sonars."""
-    from sonarmap import InputError, ParameterizedModel, StandardModel
-    from sonarmap.errors import positive
-
-    # Told in the words of the options; the models know the same numbers by other names.
-    if beta_deg is not None and not 0 < beta_deg <= 60:
-        raise InputError(f"--beta-deg must be > 0 and <= 60, got {beta_deg:g}")
-    if not 0.5 < max_occupied <= 1:
-        raise InputError(f"--max-occupied must be > 0.5 and <= 1, got {max_occupied:g}")
-    positive("--tolerance", tolerance_m)
-    beta_rad = ring.half_angle_rad if beta_deg is None else math.radians(beta_deg)
-    if name is ModelName.STANDARD:
-        if p1 is not None or p2 is not None:
-            raise InputError("--p1 and --p2 belong to --model parameterized, got standard")
-        return StandardModel(beta_rad, max_range_m, max_occupied, tolerance_m)
-    # P1 = 1 - P4 is the thesis's own rule; rounded, or 1 - 0.98 is not its 0.02.
-    p1 = round(1 - max_occupied, 12) if p1 is None else p1
-    p2 = P2 if p2 is None else p2
-    return ParameterizedModel(p1=p1, p2=p2, p3_m=tolerance_m, p4=max_occupied, p5_rad=beta_rad)
+    registry, make = {
+        "method": (sm.methods(), sm.method),
+        "filter": (sm.filters(), sm.filter),
+    }[kind]
+    texts: dict[str, str] = {}
+    for setting in settings or []:
+        key, equals, text = setting.partition("=")
+        if not key or not equals:
+            raise sm.InputError(f"--param must be NAME=VALUE, got {setting!r}")
+        if key in texts:
+            raise sm.InputError(f"--param {key} is given twice")
+        texts[key] = text
+    parameters = {key: value for key, value in short.items() if value is not None}
+    if texts:
+        part = registry.find(name)  # type: ignore[attr-defined]  # a Registry finds paths, too
+        typed = from_text(f"{kind} {name!r}", part if isinstance(part, type) else type(part), texts)
+        both = sorted(typed.keys() & parameters.keys())
+        if both:
+            raise sm.InputError(f"--param {both[0]} is given by another option, too")
+        parameters |= typed
+    return make(name, **parameters)
 
 
 def load_world(name: str, settings: list[str] | None) -> World:

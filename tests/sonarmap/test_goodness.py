@@ -8,7 +8,7 @@ import pytest
 
 import sonarmap as sm
 from sonarmap import goodness
-from sonarmap.methods.bayes import spread
+from sonarmap.methods.bayes import spread as bayes_spread
 
 RING = sm.SonarRing("pointer", [0.0], [0.0], [0.0], math.radians(15), 0.165, 3.0)
 PARAMETERIZED = sm.ParameterizedModel(0.03, 0.1, 0.08, 0.97, math.radians(15))
@@ -45,7 +45,7 @@ def random_log(n=40, seed=1):
         ),
         ring=sm.AMIGOBOT,
     )
-    return log.replace(stale=np.arange(n) % 11 == 5)
+    return log.replace(stale=np.arange(n) % 11 == 5, rejected=np.arange(n) % 13 == 5)
 
 
 def map_of(rows):
@@ -61,7 +61,7 @@ def slow_values(log, model, grid, max_range_m):
     values = np.full((*grid.shape, len(log)), np.nan)
     for i in range(len(log)):
         reading = log.range_m[i]
-        if log.stale[i] or not 0 <= reading <= limit_m:
+        if log.stale[i] or log.rejected[i] or not 0 <= reading <= limit_m:
             continue
         dx, dy = x_m - log.sensor_xy_m[i, 0], y_m - log.sensor_xy_m[i, 1]
         distance = np.hypot(dx, dy)
@@ -106,7 +106,7 @@ def test_equals_the_twin_that_keeps_every_probability(max_range_m):
 def test_map_is_build_maps_also_when_listed_part_by_part(monkeypatch, no_echo, most_cells):
     log = random_log(80, seed=2)
     if most_cells is not None:
-        monkeypatch.setattr(spread, "_MOST_CELLS", most_cells)
+        monkeypatch.setattr(bayes_spread, "_MOST_CELLS", most_cells)
     results = goodness.map_and_spread(log, MODELS, GRID, max_range_m=1.2, no_echo=no_echo)
     for model, (m, _) in zip(MODELS, results, strict=True):
         expected = sm.build_map(log, model, GRID, max_range_m=1.2, no_echo=no_echo)

@@ -191,3 +191,31 @@ def test_a_truth_of_another_length_is_refused(rng):
 def test_equal_times_are_in_order():
     # The readings of a scan may share its time.
     assert len(make_log([1.0, 2.0], time_s=[5, 5], scan=[0, 0], ring=ONE)) == 2
+
+
+# --- rejected and doubted readings ---------------------------------------------------------------
+
+
+def test_nothing_is_rejected_or_doubted_unless_marked():
+    log = make_log([1, 2])
+    assert log.rejected.tolist() == [False, False]
+    assert np.isnan(log.doubt).all()
+    assert log.usable.tolist() == [True, True]
+
+
+def test_stale_and_rejected_readings_are_not_usable():
+    log = make_log([1, 2, 3, 4], stale=[0, 1, 0, 1], rejected=[0, 0, 1, 1])
+    assert log.usable.tolist() == [True, False, False, False]
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"doubt": [0.5, 1.1]}, r"doubt\[1\] must be within \[0, 1\], or NaN, got 1.1"),
+        ({"doubt": [-0.1, 0.5]}, r"doubt\[0\] must be within \[0, 1\], or NaN, got -0.1"),
+        ({"doubt": [np.inf, 0.5]}, r"doubt\[0\] must be within .*, got inf"),
+    ],
+)
+def test_bad_doubts_are_refused(columns, message):
+    with pytest.raises(sm.InputError, match=f"^{message}$"):
+        make_log([1, 2], **columns)

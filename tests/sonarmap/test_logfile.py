@@ -209,3 +209,53 @@ def test_a_column_of_another_type(log, tmp_path):
 def test_a_folder_in_the_way_of_a_log(log, tmp_path):
     with pytest.raises(sm.InputError, match=r": is a folder, a file name is needed$"):
         log.write(tmp_path)
+
+
+# --- older versions ------------------------------------------------------------------------------
+
+# Columns that each version did not have yet.
+LACKING = {
+    1: ["rejected", "doubt", "truth_source", "truth_level_db"],
+    2: ["rejected", "doubt"],
+}
+
+
+def as_version(path, version, lacking):
+    """Rewrite a file as one of an older version."""
+
+    def older(table):
+        about = json.loads(table.schema.metadata[b"sonarbed"]) | {"format_version": version}
+        return table.drop_columns(lacking).replace_schema_metadata({"sonarbed": json.dumps(about)})
+
+    rewritten(path, older)
+
+
+@pytest.mark.parametrize("version", LACKING)
+def test_an_older_log_is_read_and_what_it_lacks_is_unknown(version, log, tmp_path):
+    path = tmp_path / "old.parquet"
+    log.write(path)
+    as_version(path, version, LACKING[version])
+    back = sm.read_log(path)
+    for name in set(log.DTYPES) - {"rejected", "doubt"}:
+        assert getattr(back, name).tobytes() == getattr(log, name).tobytes(), name
+    assert not back.rejected.any()
+    assert np.isnan(back.doubt).all()
+    if version == 1:
+        assert (back.truth.source == sm.LogTruth.NO_SOURCE).all()
+        assert np.isnan(back.truth.level_db).all()
+    else:
+        np.testing.assert_array_equal(back.truth.source, log.truth.source)
+    # Written again it is a log of today.
+    back.write(path)
+    assert sm.read_log(path).rejected.size == len(log)
+
+
+@pytest.mark.parametrize(
+    ("version", "column"),
+    [(3, "rejected"), (3, "doubt"), (3, "truth_source"), (2, "truth_level_db"), (1, "stale")],
+)
+def test_a_column_that_its_version_has_must_be_there(version, column, log, tmp_path):
+    path = tmp_path / "old.parquet"
+    log.write(path)
+    as_version(path, version, [*{*LACKING.get(version, []), column}])
+    assert refusal(path) == f"column {column!r} is missing"

@@ -205,3 +205,104 @@ def test_saving_where_a_file_is_in_the_way(corner, tmp_path):
     (tmp_path / "file").write_text("I was here first")
     with pytest.raises(sm.InputError, match=r"a file is in the way$"):
         corner.save(tmp_path / "file")
+
+
+# --- maps that state probabilities ---------------------------------------------------------------
+
+LINE = sm.GridSpec(1, (0, 0), (1, 5))
+P = [[0.0, 0.2, 0.5, 0.7, 1.0]]
+
+
+def test_stated_probabilities_are_kept_to_the_last_bit():
+    m = sm.OccupancyMap.from_probability(LINE, P)
+    assert m.probability.tolist() == P
+    # The log-odds are derived, and finite.
+    assert m.log_odds[0, 2] == 0
+    np.testing.assert_allclose(m.log_odds[0, [1, 3]], logit(np.array([0.2, 0.7])))
+    np.testing.assert_allclose(m.log_odds[0, [0, 4]], logit(np.array([1e-6, 1 - 1e-6])))
+    with pytest.raises(ValueError, match="read-only"):
+        m.probability[0, 0] = 1
+
+
+def test_a_map_says_itself_what_is_occupied_free_and_unknown():
+    m = sm.OccupancyMap.from_probability(LINE, P)
+    assert m.occupied.tolist() == [[False, False, False, True, True]]
+    assert m.free.tolist() == [[True, True, False, False, False]]
+    seen = [[True, False, True, False, True]]
+    m = sm.OccupancyMap.from_probability(LINE, P, seen, occupied_from=0.5, free_up_to=0.1)
+    assert m.occupied.tolist() == [[False, False, True, False, True]]
+    assert m.free.tolist() == [[True, False, False, False, False]]
+    assert (m.occupied_from, m.free_up_to) == (0.5, 0.1)
+    # Evidence does not say what it observed, and has the limits of map_server.
+    m = sm.OccupancyMap(LINE, logit(np.array([[0.1, 0.2, 0.5, 0.7, 0.9]])))
+    assert m.observed is None
+    assert (m.occupied_from, m.free_up_to) == (0.65, 0.35)
+    assert m.occupied.tolist() == [[False, False, False, True, True]]
+
+
+def test_the_image_follows_the_layer_and_the_limits_of_the_map(tmp_path):
+    seen = [[True, False, True, True, True]]
+    sm.OccupancyMap.from_probability(
+        LINE, [[0.1, 0.1, 0.3, 0.5, 0.6]], seen, occupied_from=0.6
+    ).save(tmp_path)
+    assert read_pgm(tmp_path / "map.pgm").tolist() == [[254, 205, 254, 205, 0]]
+
+
+@pytest.mark.parametrize("observed", [None, [[True, False, True, True, False]]])
+def test_a_map_of_probabilities_comes_back_exactly(observed, tmp_path):
+    m = sm.OccupancyMap.from_probability(LINE, P, observed, occupied_from=0.6, free_up_to=0.1)
+    m.save(tmp_path)
+    back = sm.OccupancyMap.load(tmp_path)
+    assert back.grid == m.grid
+    assert back.probability.tobytes() == m.probability.tobytes()
+    assert back.log_odds.tobytes() == m.log_odds.tobytes()
+    assert (back.occupied_from, back.free_up_to) == (0.6, 0.1)
+    if observed is None:
+        assert back.observed is None
+    else:
+        assert back.observed.tolist() == observed
+
+
+def test_a_map_of_another_make_is_scored_and_saved(tmp_path):
+    class Other:
+        grid, probability = LINE, np.array(P)
+
+    class Layered(Other):
+        observed, occupied_from = np.array([[True, True, False, True, True]]), 0.9
+
+    m = sm.OccupancyMap.of(Other())
+    assert m.probability.tolist() == P
+    m.save(tmp_path)
+    m = sm.OccupancyMap.of(Layered())
+    assert m.occupied.tolist() == [[False, False, False, False, True]]
+    assert sm.OccupancyMap.of(m) is m
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"p": np.zeros((2, 5))}, r"p must have the grid's shape \(1, 5\), got \(2, 5\)"),
+        ({"p": [[0, 0, math.nan, 0, 0]]}, r"p\[0, 2\] must be within \[0, 1\], got nan"),
+        ({"p": [[0, 0, 0, 0, 1.01]]}, r"p\[0, 4\] must be within \[0, 1\], got 1.01"),
+        ({"p": [["a"] * 5]}, "p must be an array of numbers, got .*"),
+        ({"observed": [[True]]}, r"observed must have the grid's shape \(1, 5\), got \(1, 1\)"),
+        ({"observed": [[0.5] * 5]}, "observed must be an array of bool, got float64"),
+        ({"occupied_from": 0.3}, "free_up_to must be < occupied_from, got 0.35 and 0.3"),
+        ({"occupied_from": 1.2}, r"occupied_from must be within \[0, 1\], got 1.2"),
+        ({"free_up_to": -1}, r"free_up_to must be within \[0, 1\], got -1"),
+    ],
+)
+def test_bad_probabilities_are_refused(given, message):
+    with pytest.raises(sm.InputError, match=f"^{message}$"):
+        sm.OccupancyMap.from_probability(LINE, **{"p": P, **given})
+
+
+@pytest.mark.parametrize(
+    ("other", "kind"), [(np.array(P), "ndarray; see OccupancyMap.from_probability"), ("map", "str")]
+)
+def test_what_is_no_map_is_refused(other, kind):
+    with pytest.raises(
+        sm.InputError,
+        match=rf"^a map must have a \.grid \(GridSpec\) and \.probability, got {kind}$",
+    ):
+        sm.OccupancyMap.of(other)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from sonarbed.commands.filtering import check_output, judged_rows
 from sonarbed.options import Json, Png, check_writable
 
 if TYPE_CHECKING:
-    from sonarmap import HsrResult, ReadingScore, SonarLog
+    from sonarmap import HsrResult, SonarLog
 
 __all__ = ["hsr"]
 
@@ -47,11 +48,8 @@ def hsr(
     """
     import sonarmap as sm
     from sonarbed.console import print_json, print_table, say, working
-    from sonarmap.errors import InputError
 
-    if log.resolve() == out.resolve():
-        raise InputError(f"--out must be another file than the log, got {str(out)!r}")
-    check_writable(out)
+    check_output(log, out)
     check_writable(png, ".png")
     before = sm.read_log(log)
     params = sm.HsrParams(
@@ -77,7 +75,7 @@ def hsr(
         return
     print_table(f"HSR: {log}", ["what changed", "value"], _changes(facts))
     if score is not None:
-        print_table("Readings by truth", ["readings", "wrong", "right"], _judged(score))
+        print_table("Readings by truth", ["readings", "wrong", "right"], judged_rows(score))
     say(f"Written: {out}")
     if png is not None:
         say(f"Drawn: {png}")
@@ -115,44 +113,3 @@ def _changes(facts: dict[str, Any]) -> list[list[str]]:
             [f"not kept: pass {len(passes) + 1} would update", str(facts["rejected_updates"])]
         )
     return [*rows, ["stopped", facts["stopped"]]]
-
-
-def _judged(score: ReadingScore) -> list[list[str]]:
-    told = score.to_dict()
-    counts = told["counts"]
-
-    def of(part: str, whole: str) -> str:
-        share = counts[part] / counts[whole] if counts[whole] else None
-        return str(counts[part]) if share is None else f"{counts[part]} ({share:.1%})"
-
-    def error(group: str, key: str) -> str:
-        before, after = (told["errors"][group][when]["cone"] for when in ("before", "after"))
-        if key == "median_m":
-            return " to ".join("-" if e[key] is None else f"{e[key]:.3f}" for e in (before, after))
-        return " to ".join(
-            "-" if e["beyond"][1][key] is None else f"{e['beyond'][1][key]:.1%}"
-            for e in (before, after)
-        )
-
-    def share(name: str) -> str:
-        return "-" if told[name] is None else f"{told[name]:.1%}"
-
-    return [
-        ["number", str(counts["wrong"]), str(counts["right"])],
-        ["updated", of("wrong_updated", "wrong"), of("right_updated", "right")],
-        ["mended (wrong, now within 0.1 m)", of("mended", "wrong"), ""],
-        ["spoiled (right, now beyond 0.1 m)", "", of("spoiled", "right")],
-        ["precision of the updates", share("precision"), ""],
-        ["recall of the updates", share("recall"), ""],
-        [
-            "median error, before to after, m",
-            *(error(group, "median_m") for group in ("wrong", "right")),
-        ],
-        *(
-            [
-                f"{name} by more than 0.3 m",
-                *(error(group, key) for group in ("wrong", "right")),
-            ]
-            for name, key in (("too long", "share_too_long"), ("too short", "share_too_short"))
-        ),
-    ]

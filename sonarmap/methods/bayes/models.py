@@ -164,7 +164,7 @@ class StandardModel:
 
 @dataclass(frozen=True)
 class ParameterizedModel:
-    """The parameterised sensor model of the thesis, equations 5.1 to 5.5 of Rashid 2006.
+    """The parameterized sensor model of the thesis, equations 5.1 to 5.5 of Rashid 2006.
 
     Parameters
     ----------
@@ -200,10 +200,11 @@ class ParameterizedModel:
     def __post_init__(self) -> None:
         positive("p3_m", self.p3_m)
         _half_angle("p5_rad", self.p5_rad)
-        if not 0 <= self.p1 < 0.5:
-            raise InputError(f"p1 must be in [0, 0.5), got {self.p1!r}")
+        # P4 before P1, which is often 1 - P4.
         if not 0.5 < self.p4 <= 1:
             raise InputError(f"p4 must be in (0.5, 1], got {self.p4!r}")
+        if not 0 <= self.p1 < 0.5:
+            raise InputError(f"p1 must be in [0, 0.5), got {self.p1!r}")
         # The slack lets p4 = 0.7 have p2 = 0.2, although 0.7 - 0.5 is 0.19999999999999996.
         within("p2", self.p2, 0, min(0.5 - self.p1, self.p4 - 0.5) + 1e-12)
 

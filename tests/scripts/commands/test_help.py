@@ -10,7 +10,7 @@ import sim.robot.drivers
 import sim.sonar.presets
 import sonarmap as sm
 from sonarbed.cli import app, main
-from sonarbed.options import P2, ModelName
+from sonarbed.commands.map import P2, ModelName
 from sonarmap.importers import FORMATS
 
 COMMANDS = [

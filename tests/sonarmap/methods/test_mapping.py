@@ -47,7 +47,7 @@ def slow_map(log, model, grid, *, no_echo="ignore", limit_m=None):
     log_odds, undecided = np.zeros(grid.shape), np.zeros(grid.shape, bool)
     for i in range(len(log)):
         reading, k = log.range_m[i], log.sonar[i]
-        if log.stale[i] or reading == -math.inf:
+        if log.stale[i] or log.rejected[i] or reading == -math.inf:
             continue
         silent = reading > limit_m
         if silent and no_echo == "ignore":
@@ -242,7 +242,7 @@ def test_the_order_of_the_readings_does_not_matter(model, rng):
     shuffled = log.replace(
         **{
             name: getattr(log, name)[order]
-            for name in ("sonar", "x_m", "y_m", "heading_rad", "range_m", "stale")
+            for name in ("sonar", "x_m", "y_m", "heading_rad", "range_m", "stale", "rejected")
         }
     )
     a, b = (sm.build_map(each, model, GRID).log_odds for each in (log, shuffled))
@@ -348,9 +348,9 @@ def test_what_no_cone_touches_stays_exactly_unknown(model):
 
 
 @pytest.mark.parametrize("no_echo", ["ignore", "clear"])
-def test_stale_and_too_close_readings_are_not_used(no_echo, rng):
+def test_stale_rejected_and_too_close_readings_are_not_used(no_echo, rng):
     log = random_log(rng, 60)
-    useless = log.stale | (log.range_m == -np.inf)
+    useless = log.stale | log.rejected | (log.range_m == -np.inf)
     assert useless.sum() > 5
     with_them = sm.build_map(log, PARAMETERIZED, GRID, no_echo=no_echo)
     without = sm.build_map(log.select(~useless), PARAMETERIZED, GRID, no_echo=no_echo)

@@ -208,3 +208,87 @@ def test_logs_of_different_length():
 def test_unknown_words(words, message):
     with pytest.raises(sm.InputError, match=message):
         SCORE.errors(*words)
+
+
+# --- rejected and doubted readings ---------------------------------------------------------------
+
+# Of the eight readings: is wrong 0 0 0 0 1 1 1 1.
+REJECTED = [False, True, False, False, True, True, False, True]
+
+
+def test_rejections_are_counted():
+    score = sm.score_readings(log_of(ROWS, 0), log_of(ROWS, 0, rejected=REJECTED))
+    assert (score.caught, score.lost) == (3, 1)
+    assert (score.caught_share, score.lost_share) == (0.75, 0.25)
+    assert score.wrong_updated == score.right_updated == 0
+    told = json.loads(json.dumps(score.to_dict(), allow_nan=False))
+    assert told["counts"]["caught"] == 3
+    assert told["rejected"]["bounce"] == 2
+    assert told["roc_auc"] is None  # nothing is doubted
+    double = score + score
+    assert (double.caught, double.lost, double.lost_share) == (6, 2, 0.25)
+
+
+def test_what_was_rejected_before_is_not_judged():
+    before = log_of(ROWS, 0, rejected=REJECTED)
+    score = sm.score_readings(before, log_of(ROWS, 1, rejected=REJECTED))
+    assert len(score) == 4
+    assert (score.caught, score.lost) == (0, 0)
+
+
+def test_a_filters_own_result_is_scored_as_its_log():
+    after = log_of(ROWS, 1, rejected=REJECTED)
+    filtered = sm.Filtered(after, np.zeros(8, bool))
+    before = log_of(ROWS, 0)
+    assert sm.score_readings(before, filtered).to_dict() == (
+        sm.score_readings(before, after).to_dict()
+    )
+
+
+def doubts_of(wrong, doubt):
+    """Return the score of readings that are wrong or right, with a doubt each."""
+    rows = [(BOUNCE if each else D, 1.0, 1.0, 1.0, 1.0) for each in wrong]
+    return sm.score_readings(log_of(rows, 0), log_of(rows, 0, doubt=doubt))
+
+
+def slow_auc(wrong, doubt):
+    pairs = [
+        (a > b) + 0.5 * (a == b)
+        for a, bad in zip(doubt, wrong, strict=True)
+        if bad
+        for b, also in zip(doubt, wrong, strict=True)
+        if not also
+    ]
+    return np.mean(pairs)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "doubt", "auc", "caught"),
+    [
+        ([1, 1, 0, 0], [0.9, 0.8, 0.2, 0.1], 1.0, 1.0),
+        ([1, 1, 0, 0], [0.1, 0.2, 0.8, 0.9], 0.0, 0.0),
+        ([1, 1, 0, 0], [0.5, 0.5, 0.5, 0.5], 0.5, 0.0),
+        ([1, 1, 0, 0], [0.9, 0.3, 0.6, 0.1], 0.75, 0.5),
+        ([1, 1, 0, np.nan], [0.9, 0.3, 0.6, 0.1], 0.5, 0.5),  # the last has no opinion
+        ([1, 1, 1], [0.9, 0.3, 0.6], np.nan, np.nan),
+    ],
+)
+def test_doubts_by_hand(wrong, doubt, auc, caught):
+    unsure = np.isnan(wrong)
+    score = doubts_of(np.nan_to_num(wrong), np.where(unsure, np.nan, doubt))
+    assert score.roc_auc == pytest.approx(auc, nan_ok=True)
+    assert score.caught_at_lost_1_percent == pytest.approx(caught, nan_ok=True)
+
+
+def test_the_area_is_the_share_of_pairs_in_order(rng):
+    wrong = rng.random(300) < 0.3
+    doubt = np.round(np.clip(0.3 * wrong + 0.7 * rng.random(300), 0, 1), 2)  # with ties
+    assert doubts_of(wrong, doubt).roc_auc == pytest.approx(slow_auc(wrong, doubt))
+
+
+def test_one_in_a_hundred_right_readings_may_be_lost(rng):
+    right = np.linspace(0.0, 0.5, 200)  # two of them may be lost: 0.5 and the one before
+    wrong = np.array([0.6, 0.499, 0.4975, 0.49, 0.1])
+    score = doubts_of(np.arange(205) >= 200, np.concatenate([right, wrong]))
+    allowed = np.sort(right)[-3]
+    assert score.caught_at_lost_1_percent == (wrong > allowed).mean() == 0.6

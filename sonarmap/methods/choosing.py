@@ -1,4 +1,4 @@
-"""The mapping methods by name, and whatever else may stand where a method is wanted."""
+"""Mapping methods chosen by name, and whatever else may stand where one is wanted."""
 
 from __future__ import annotations
 
@@ -8,24 +8,15 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
+from sonarmap.catalogue import METHODS
 from sonarmap.errors import InputError
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.methods.protocol import MappingMethod
 from sonarmap.occupancy import OccupancyMap
 from sonarmap.parameters import Space, with_parameters
-from sonarmap.registry import Registry
 
-__all__ = ["METHODS", "FunctionMethod", "as_method", "method", "methods"]
-
-METHODS: Registry[Any] = Registry(
-    "method",
-    "sonarbed.methods",
-    {
-        "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
-        "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
-    },
-)
+__all__ = ["FunctionMethod", "as_method", "method", "methods"]
 
 MapFunction = Callable[[SonarLog, GridSpec], ArrayLike]
 

@@ -1,4 +1,4 @@
-"""The reading filters by name, and whatever else may stand where a filter is wanted."""
+"""Reading filters chosen by name, and whatever else may stand where one is wanted."""
 
 from __future__ import annotations
 
@@ -6,23 +6,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from sonarmap.catalogue import FILTERS
 from sonarmap.errors import InputError
 from sonarmap.filters.protocol import Filtered, ReadingFilter
 from sonarmap.log import SonarLog
 from sonarmap.parameters import Space, with_parameters
-from sonarmap.registry import Registry
 
-__all__ = ["FILTERS", "FunctionFilter", "as_filter", "filter", "filters"]
-
-FILTERS: Registry[Any] = Registry(
-    "filter",
-    "sonarbed.filters",
-    {
-        "eeruf": "sonarmap.filters.eeruf:EerufTest",
-        "hsr": "sonarmap.filters.hsr:Hsr",
-        "stale": "sonarmap.filters.stale:MarkStale",
-    },
-)
+__all__ = ["FunctionFilter", "as_filter", "filter", "filters"]
 
 
 def filters() -> Mapping[str, type[ReadingFilter]]:

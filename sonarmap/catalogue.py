@@ -1,0 +1,31 @@
+"""The parts that ship with the core, by name: a new one is a file, and one line here.
+
+Only names stand here, so that the command line can list them without loading anything.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sonarmap.registry import Registry
+
+__all__ = ["FILTERS", "METHODS"]
+
+METHODS: Registry[Any] = Registry(
+    "method",
+    "sonarbed.methods",
+    {
+        "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
+        "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
+    },
+)
+
+FILTERS: Registry[Any] = Registry(
+    "filter",
+    "sonarbed.filters",
+    {
+        "eeruf": "sonarmap.filters.eeruf:EerufTest",
+        "hsr": "sonarmap.filters.hsr:Hsr",
+        "stale": "sonarmap.filters.stale:MarkStale",
+    },
+)
