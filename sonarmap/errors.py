@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from difflib import get_close_matches
+from numbers import Real
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # a message needs no numpy, and the command line's help none either
@@ -23,6 +24,7 @@ __all__ = [
     "non_negative",
     "one_of",
     "positive",
+    "whole",
     "within",
 ]
 
@@ -85,8 +87,20 @@ def did_you_mean(unknown: str, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(names)}"
 
 
-def _number(name: str, value: float) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} must be a number, got {value!r}") from None
+def whole(name: str, value: float, *, least: int | None = None) -> int:
+    """Return `value` as an int if it is a whole number, >= `least`, else raise `InputError`."""
+    number = _number(name, value)
+    if not number.is_integer():
+        raise InputError(f"{name} must be a whole number, got {value!r}")
+    if least is not None and number < least:
+        raise InputError(f"{name} must be >= {least}, got {value!r}")
+    return int(value)
+
+
+def _number(name: str, value: object) -> float:
+    # A vector of one number, as numpy and its kind have them, counts as that number.
+    plain = value.item() if getattr(value, "shape", None) == () else value  # type: ignore[attr-defined]
+    # "3" is text, and True is no length: what they would become is not what was meant.
+    if type(plain) is bool or not isinstance(plain, Real):
+        raise InputError(f"{name} must be a number, got {value!r}")
+    return float(plain)

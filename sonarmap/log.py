@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sonarmap.columns import column
 from sonarmap.errors import InputError, first_row
 from sonarmap.rings import SonarRing
 
@@ -118,7 +119,8 @@ class LogTruth:
             if getattr(self, name) is None:
                 object.__setattr__(self, name, np.full(size, unknown))
         for name, dtype in self.DTYPES.items():
-            _freeze(self, name, dtype, size, prefix="truth.")
+            checked = column(f"truth.{name}", getattr(self, name), dtype, size)
+            object.__setattr__(self, name, checked)
         for name in ("x_m", "y_m", "heading_rad"):
             values = getattr(self, name)
             first_row(f"truth.{name}", ~np.isfinite(values), values, "a finite number")
@@ -201,7 +203,7 @@ class SonarLog:
             if getattr(self, name) is None:
                 object.__setattr__(self, name, np.full(size, unmarked))
         for name, dtype in self.DTYPES.items():
-            _freeze(self, name, dtype, size)
+            object.__setattr__(self, name, column(name, getattr(self, name), dtype, size))
         object.__setattr__(self, "provenance", dict(self.provenance))
         for name in ("time_s", "x_m", "y_m", "heading_rad"):
             values = getattr(self, name)
@@ -294,24 +296,3 @@ class SonarLog:
         if self.truth is None:
             raise InputError(f"the log has no truth (a real robot's?), needed for {purpose}")
         return self.truth
-
-
-def _freeze(target: object, name: str, dtype: Any, size: int, prefix: str = "") -> None:
-    """Store column `name` of `target` as a read-only vector of `dtype` and length `size`."""
-    given = getattr(target, name)
-    try:
-        # A cast of NaN warns; what it became is found to be changed below.
-        with np.errstate(invalid="ignore"):
-            column = np.array(given, dtype=dtype)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{prefix}{name} must be a column of {np.dtype(dtype).name}") from None
-    if np.issubdtype(dtype, np.integer):
-        given_numbers = np.asarray(given)
-        changed = column != given_numbers
-        first_row(
-            f"{prefix}{name}", changed, given_numbers, f"a whole number that fits {np.dtype(dtype)}"
-        )
-    if column.shape != (size,):
-        raise InputError(f"{prefix}{name} must have shape ({size},), got {column.shape}")
-    column.flags.writeable = False
-    object.__setattr__(target, name, column)

@@ -11,12 +11,29 @@ from sonarmap.errors import (
     first_row,
     non_negative,
     positive,
+    whole,
     within,
 )
 
 
 def unit(name, value):
     return within(name, value, 0, 1)
+
+
+def least_one(name, value):
+    return whole(name, value, least=1)
+
+
+@pytest.mark.parametrize("value", [3, 3.0, np.int16(3), np.float32(3), np.array(3)])
+def test_a_whole_number_is_an_int_whatever_its_type(value):
+    number = whole("count", value, least=3)
+    assert number == 3
+    assert type(number) is int
+
+
+@pytest.mark.parametrize("value", [np.float32(2), np.int8(2), np.array(2.0)])
+def test_numbers_of_numpy_are_numbers(value):
+    assert positive("speed", value) == 2.0
 
 
 @pytest.mark.parametrize(
@@ -44,6 +61,18 @@ def test_what_keeps_the_rule_is_returned_as_a_float(check, value):
         (unit, math.nan, "speed must be within [0, 1], got nan"),
         (finite, "fast", "speed must be a number, got 'fast'"),
         (positive, None, "speed must be a number, got None"),
+        # What float() would take for a number.
+        (positive, "3", "speed must be a number, got '3'"),
+        (positive, b"3", "speed must be a number, got b'3'"),
+        (finite, True, "speed must be a number, got True"),
+        (finite, np.True_, "speed must be a number, got np.True_"),
+        (finite, 1j, "speed must be a number, got 1j"),
+        (finite, [1.0], "speed must be a number, got [1.0]"),
+        (finite, np.array([1.0]), "speed must be a number, got array([1.])"),
+        (whole, 1.5, "speed must be a whole number, got 1.5"),
+        (whole, math.nan, "speed must be a whole number, got nan"),
+        (whole, "2", "speed must be a number, got '2'"),
+        (least_one, 0, "speed must be >= 1, got 0"),
     ],
 )
 def test_what_breaks_the_rule_is_refused_with_name_rule_and_value(check, value, rule):
