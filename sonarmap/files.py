@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,24 +34,29 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        If the folder cannot be made or written, or `path` is a folder.
+        If the folder cannot be made or written, or `path` is there and no regular file: a folder,
+        a device, a pipe.
+
+    Notes
+    -----
+    A symbolic link stays one: the file that it points to is replaced.
     """
     target = Path(path)
     if target.is_dir():
         raise InputError(f"{target}: is a folder, a file name is needed")
+    if target.exists() and not target.is_file():
+        raise InputError(f"{target}: is not a regular file: it would be replaced by one")
     make_folder(target.parent)
     try:
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem}-", suffix=target.suffix
-        )
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written: {error.strerror}") from None
-    os.close(handle)
-    beside = Path(name)
+        real = target.resolve() if target.is_symlink() else target
+        beside = _new_file_beside(real)
+    except (OSError, RuntimeError) as error:  # a link that points to itself is a RuntimeError
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{target}: cannot be written: {reason}") from None
     try:
         yield beside
-        _use_default_permissions(beside)
-        beside.replace(target)
+        _use_usual_permissions(beside, real)
+        beside.replace(real)
     except OSError as error:
         raise InputError(f"{target}: cannot be written: {error.strerror or error}") from None
     finally:
@@ -69,8 +75,21 @@ def make_folder(path: str | Path) -> Path:
     return folder
 
 
-def _use_default_permissions(path: Path) -> None:
-    # mkstemp makes files that only their owner may read; a result is as open as any other file.
-    mask = os.umask(0)
-    os.umask(mask)
-    path.chmod(0o666 & ~mask)
+def _new_file_beside(target: Path) -> Path:
+    """Make an empty file in the folder of `target`, which only its owner may read."""
+    # A name may have 255 bytes, and one letter may take four of them.
+    prefix, suffix = f".{target.stem[:40]}-", target.suffix[:20]
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=prefix, suffix=suffix)
+    os.close(handle)
+    return Path(name)
+
+
+def _use_usual_permissions(path: Path, target: Path) -> None:
+    """Make a file as open as the one that it replaces, or as any new file."""
+    if target.exists():
+        mode = stat.S_IMODE(target.stat().st_mode)
+    else:
+        mask = os.umask(0)
+        os.umask(mask)
+        mode = 0o666 & ~mask
+    path.chmod(mode)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import typer
 from typer.exceptions import TyperException
@@ -22,12 +24,14 @@ from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
 from sonarbed.commands.worlds import worlds
+from sonarbed.encoding import plain_where_needed
 from sonarmap.errors import InputError
 
 __all__ = ["app", "main"]
 
 # Exit codes as shells know them: 2 for bad input, 128 + 2 for an interrupt.
 BAD_INPUT, INTERRUPTED = 2, 130
+_STOPPED = "interrupted; what was finished is kept"
 
 app = typer.Typer(
     name="sonarbed",
@@ -55,15 +59,17 @@ app.command()(acoustics)
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; errors are one line on standard error."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    plain_where_needed(sys.stdout, sys.stderr)
+    interruption = _Interruption()
     try:
-        with _terminated_like_interrupted(), _modules_of_this_folder():
+        with _interruptible(interruption), _modules_of_this_folder():
             code = app(arguments, prog_name="sonarbed", standalone_mode=False)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
         # Now, not when Python ends: a full disk or a closed pipe is found out here.
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):
-        return _fail("interrupted; what was finished is kept", INTERRUPTED)
+        return INTERRUPTED if interruption.is_said else _fail(_STOPPED, INTERRUPTED)
     except TyperException as error:
         message = error.format_message()
         # With no arguments the help was asked for, and has been printed.
@@ -81,18 +87,39 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
+@dataclass
+class _Interruption:
+    """Whether a person has been told that the command stops."""
+
+    is_said: bool = False
+
+
 @contextmanager
-def _terminated_like_interrupted() -> Iterator[None]:
-    """Take SIGTERM as Ctrl-C, so that worker processes end with this one."""
+def _interruptible(interruption: _Interruption) -> Iterator[None]:
+    """Say at once that Ctrl-C was heard, and take SIGTERM as one: workers end with this process.
+
+    Only the main thread may, and need, care for signals.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
 
     def interrupt(number: int, frame: object) -> None:
+        # At once, for to unwind may take a moment; not by `print`, which may be interrupted.
+        os.write(2, f"sonarbed: {_STOPPED}\n".encode())
+        interruption.is_said = True
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    # Where Ctrl-C is ignored, as in a job of the background, it stays so.
+    heard = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        heard.append(signal.SIGINT)
+    before = {number: signal.signal(number, interrupt) for number in heard}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

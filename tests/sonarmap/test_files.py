@@ -1,6 +1,7 @@
 import errno
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
@@ -115,3 +116,52 @@ def test_a_result_is_as_open_as_any_other_file(tmp_path):
         beside.write_text("")
     modes = {stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("plain", "out")}
     assert len(modes) == 1
+
+
+def write_to(path, text="new"):
+    with atomic_path(path) as beside:
+        beside.write_text(text)
+
+
+def test_a_device_or_pipe_is_not_replaced_by_a_file(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    link = tmp_path / "link-to-a-device"
+    link.symlink_to(os.devnull)
+    for path in (pipe, link, Path(os.devnull)):
+        with pytest.raises(
+            InputError, match=r"is not a regular file: it would be replaced by one$"
+        ):
+            write_to(path)
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    assert stat.S_ISCHR(Path(os.devnull).stat().st_mode)
+
+
+def test_a_link_stays_one_and_its_file_is_replaced(tmp_path):
+    real, link = tmp_path / "elsewhere" / "real.txt", tmp_path / "link.txt"
+    write_to(real, "old")
+    link.symlink_to(real)
+    write_to(link)
+    assert link.is_symlink()
+    assert real.read_text() == "new"
+    dangling = tmp_path / "dangling.txt"
+    dangling.symlink_to(tmp_path / "elsewhere" / "later.txt")
+    write_to(dangling)
+    assert (tmp_path / "elsewhere" / "later.txt").read_text() == "new"
+    assert [path.name for path in (tmp_path / "elsewhere").iterdir() if path.name[0] == "."] == []
+
+
+def test_a_file_keeps_the_permissions_that_it_was_given(tmp_path):
+    path = tmp_path / "out.txt"
+    path.write_text("old")
+    path.chmod(0o600)
+    write_to(path)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+@pytest.mark.parametrize(
+    "name", ["a" * 251 + ".txt", "ö" * 100 + ".parquet", ".hidden", "no-suffix"]
+)
+def test_any_name_that_a_file_may_have_can_be_written(name, tmp_path):
+    write_to(tmp_path / name)
+    assert [path.name for path in tmp_path.iterdir()] == [name]
