@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from sonarmap.kernels.jit import njit
 
 __all__ = ["cell_index"]
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def cell_index(place, origin, resolution):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return the row or column of a finite coordinate, metres, as `GridSpec.cell_of` does.
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sonarmap.kernels.jit import njit
 
 __all__ = [
     "add_listed",
@@ -58,7 +59,7 @@ def bearing_polynomial(half_angle_rad: float) -> NDArray[np.float64]:
     return coefficients * (2 / half_angle_rad)
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _log(x):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Natural logarithm of a positive normal number, good to 1e-15, as plain arithmetic."""
     bits = np.float64(x).view(np.int64)
@@ -77,7 +78,7 @@ def _log(x):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     return exponent * _LN_2 + s * (2.0 + z * tail)
 
 
-@njit(cache=True, fastmath=_FAST, error_model="numpy")
+@njit(fastmath=_FAST, error_model="numpy")
 def _geometry(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     dx, dy, r_out, share_out, axis_x, axis_y, c
 ):
@@ -110,7 +111,7 @@ def _geometry(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         share_out[j] = share if along >= 0.0 else 2.0
 
 
-@njit(cache=True, fastmath=_FAST, error_model="numpy")
+@njit(fastmath=_FAST, error_model="numpy")
 def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     ranges, shares, p_out, log_odds_out, border, axis, edge
 ):
@@ -141,7 +142,7 @@ def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         log_odds_out[j] = log_odds if speaks else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     rows,
     cols,
@@ -211,7 +212,7 @@ def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     return row_begin, row_end, n
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def cone_room(rows, cols, resolution, reach):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return a bound on the cells within reach of a sonar: half a disc, in its bounding box."""
     room = 0
@@ -221,7 +222,7 @@ def cone_room(rows, cols, resolution, reach):  # type: ignore[no-untyped-def]  #
     return room
 
 
-@njit(cache=True)
+@njit()
 def cone_memory(room):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return working memory of `cone_evidence`."""
     return (
@@ -234,7 +235,7 @@ def cone_memory(room):  # type: ignore[no-untyped-def]  # pragma: no cover - com
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     rows,
     cols,
@@ -294,7 +295,7 @@ def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
     return row_begin, row_end
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     log_odds,
     origin_x,
@@ -363,7 +364,7 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
             n += count
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, reach
 ):
@@ -394,7 +395,7 @@ def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     return bounds
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     rows,
     cols,
@@ -486,7 +487,7 @@ def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def add_listed(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     log_odds,
     seen,

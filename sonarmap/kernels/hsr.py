@@ -19,7 +19,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from sonarmap.kernels.jit import njit
 
 __all__ = ["king_distance", "mark_lines", "mark_points", "search_readings"]
 
@@ -29,25 +30,25 @@ _STEP_M = 0.001
 _FAR = 254
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _place(start, delta, k, n):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return the coordinate of sample k of n + 1."""
     return start + (k / n) * delta
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _cell(place, origin, resolution):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return the row or column of a coordinate: `GridSpec.cell_of` once more."""
     return np.int64(math.floor((place - origin) / resolution))
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _intervals(dx, dy):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     """Return the number of sampling intervals, at least 1 for a line without length."""
     return max(np.int64(math.ceil(max(abs(dx), abs(dy)) / _STEP_M)), 1)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def mark_points(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     marks, origin_x, origin_y, resolution, xy, mark
 ):
@@ -58,7 +59,7 @@ def mark_points(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         marks[row, col] = max(marks[row, col], mark)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def mark_lines(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     marks, origin_x, origin_y, resolution, from_xy, to_xy, mark
 ):
@@ -83,7 +84,7 @@ def mark_lines(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
             marks[row, col] = max(marks[row, col], mark)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def king_distance(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     marks, first, last
 ):
@@ -101,7 +102,7 @@ def king_distance(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
     return framed[1:-1, 1:-1]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _sweep(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     marks, first, last, before, line
 ):
@@ -115,7 +116,7 @@ def _sweep(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         line[c] = running
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _sweep_back(before, line):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     for c in range(1, line.size - 1):
         near = min(before[c - 1], before[c], before[c + 1])
@@ -127,7 +128,7 @@ def _sweep_back(before, line):  # type: ignore[no-untyped-def]  # pragma: no cov
         line[c] = running
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def search_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     distance, origin_x, origin_y, resolution, sensor_xy, point_xy, range_max, target_distance, out
 ):
@@ -164,7 +165,7 @@ def search_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compi
             out[i] = found
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _first_marked(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     distance, origin_x, origin_y, resolution, x, y, dx, dy, n, range_max
 ):
@@ -206,12 +207,12 @@ def _first_marked(  # type: ignore[no-untyped-def]  # pragma: no cover - compile
     return k
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _length(dx, dy):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     return math.sqrt(dx * dx + dy * dy)
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@njit(inline="always", error_model="numpy")
 def _samples_per_cell(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     dx, dy, n, resolution
 ):

@@ -1,0 +1,34 @@
+"""Numba's `njit` as this project uses it: what is compiled is kept on disk where that can be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+
+__all__ = ["njit"]
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return a decorator that compiles a function when it is first called.
+
+    The compiled code is kept beside the source or, where that may not be written, in the user's
+    cache. Where there is neither, as for a service without a home, every process compiles anew:
+    slower, but it works. (Numba itself refuses such a place, already when a module is imported.)
+
+    Parameters
+    ----------
+    **options
+        As for `numba.njit`, but for ``cache``.
+    """
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        try:
+            return numba.njit(cache=True, **options)(function)
+        except RuntimeError as error:
+            if "no locator available" not in str(error):
+                raise
+            return numba.njit(**options)(function)
+
+    return compiled
