@@ -7,7 +7,7 @@ RL_STAMP := $(VENV)/.installed-rl
 # Any PyTorch that Stable-Baselines3 takes will do, on the CPU or not.
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-rl check format bench clean
+.PHONY: demo test test-rl test-lowest test-newest check format bench clean
 
 demo: $(STAMP)
 	$(BIN)/sonarbed demo --out demo
@@ -17,6 +17,14 @@ test: $(STAMP)
 
 test-rl: $(RL_STAMP)
 	$(BIN)/pytest tests/rl
+
+# The core with the lowest versions that pyproject.toml allows, on the oldest Python.
+test-lowest:
+	.ci/core-tests $(VENV)-lowest python3.11 lowest
+
+# The core on the newest Python at hand that its dependencies have wheels for.
+test-newest:
+	.ci/core-tests $(VENV)-newest "$$(.ci/newest-python)" latest
 
 check: $(STAMP)
 	$(BIN)/ruff format --check .
@@ -43,4 +51,4 @@ $(RL_STAMP): $(STAMP)
 	touch $@
 
 clean:
-	rm -rf $(VENV) demo .pytest_cache .mypy_cache .ruff_cache
+	rm -rf $(VENV) $(VENV)-lowest $(VENV)-newest demo .pytest_cache .mypy_cache .ruff_cache
