@@ -38,8 +38,7 @@ from sim.envs import NavigateWeights, write_gif
 from sim.envs.policies.policies import Policy, random_policy
 from sim.envs.sb3 import SB3VecEnv
 from sonarbed.console import as_json, print_table, say
-from sonarbed.reporting.drawing import COLOURS, figure_with
-from sonarbed.reporting.pictures import save
+from sonarbed.reporting.drawing import COLOURS, figure_with, save
 from sonarmap import InputError
 from sonarmap.errors import positive
 from sonarmap.files import atomic_path, make_folder

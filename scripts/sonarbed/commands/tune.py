@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
     from sonarbed.reporting.statistics import Estimate
-    from sonarbed.studies.tuning.judging import Judged
+    from sonarbed.studies.tuning.judging import RoomScores
 
 __all__ = ["tune"]
 
@@ -113,7 +113,7 @@ def tune(
         "settings": settings.to_dict(),
         "judge": judges,
         "seed": seed,
-        "study": {"storage": search.shown_storage, "name": study_name},
+        "study": {"storage": search.kept.shown_url, "name": study_name},
         "trials": len(found.trials),
         "best_trial": found.best.number,
         "parameters": {name: each.to_dict() for name, each in candidates.items()},
@@ -138,7 +138,7 @@ def tune(
             ["", *result.places],
             _rows_of(result),
         )
-    say(f"Written: {results}, {picture}; the study: {search.shown_storage}")
+    say(f"Written: {results}, {picture}; the study: {search.kept.shown_url}")
 
 
 def _rooms(text: str) -> tuple[str, ...]:
@@ -154,7 +154,7 @@ def _parameters(told: dict[str, dict[str, Any]]) -> list[list[str]]:
     ]
 
 
-def _rows_of(judged: Judged) -> list[list[str]]:
+def _rows_of(judged: RoomScores) -> list[list[str]]:
     best, *others = judged.scores
     return [
         *(

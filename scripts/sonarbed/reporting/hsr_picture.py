@@ -11,19 +11,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import sonarmap as sm
-from sonarbed.reporting.pictures import plan, save
+from sonarbed.reporting.drawing import COLOURS, save
+from sonarbed.reporting.pictures import plan
 from sonarmap.filters.hsr import EstimatedWalls, Mark, estimate_variant_walls
 
 __all__ = ["draw_hsr"]
 
-# Okabe and Ito's palette: told apart by colour-blind people too.
-_RIGHT, _WRONG, _MENDED, _STILL_WRONG, _UNKNOWN = (
-    "#009E73",
-    "#D55E00",
-    "#0072B2",
-    "#CC79A7",
-    "#555555",
-)
+_MENDED, _WRONG, _RIGHT, _STILL_WRONG = COLOURS[:4]
+_UNKNOWN = "#555555"
 _MARGIN_M = 0.2
 _POINT = 4
 # Inches: the width of a plan, and the height of titles, axis label and legend.

@@ -22,10 +22,12 @@ import sim
 import sonarmap as sm
 import worlds
 from sonarbed.cli import main
+from sonarbed.reporting.drives import DriveSpec, DriveStore
 from sonarbed.studies.tuning import search as searching
 from sonarbed.studies.tuning import settings as settings_module
-from sonarbed.studies.tuning.drives import Drive, DriveName, load_drives
-from sonarbed.studies.tuning.judging import Judged
+from sonarbed.studies.tuning import storage
+from sonarbed.studies.tuning.judging import RoomScores
+from sonarbed.studies.tuning.scoring import score_candidate
 from sonarbed.studies.tuning.search import Search, find
 from sonarbed.studies.tuning.settings import TuneSettings
 from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
@@ -52,7 +54,7 @@ def drives(tmp_path_factory):
     folder = tmp_path_factory.mktemp("drives")
     search = search_in(folder)
     find(search, judges=["l-shape"], trials=1, on_progress=ignore)
-    return search.logs
+    return search.drives.folder
 
 
 @pytest.fixture
@@ -65,6 +67,10 @@ def folder(drives, tmp_path):
 def search_in(folder, seed=0, **changes):
     url = f"sqlite:///{folder}/study.db"
     return Search(replace(SMALL, **changes), folder, url, seed=seed)
+
+
+def path_of(folder, seed):
+    return DriveStore(folder / "logs").path_of(DriveSpec("thesis-exp1", scans=6, seed=seed))
 
 
 def ignore(label, done, total):
@@ -105,12 +111,15 @@ def test_what_is_not_searched_is_the_thesis_own():
 
 
 def test_hsr_is_idle_where_no_reading_vouches(drives):
-    (drive,) = load_drives(drives, (DriveName("thesis-exp1", "thesis", 6, 0),))
+    drive = DriveStore(drives).scorable(DriveSpec("thesis-exp1", scans=6, seed=0))
     model = sm.ParameterizedModel.thesis()
     idle = Candidate(model, sm.HsrParams(0.02, 0.15, 0.001, 0.06))
-    assert drive.score(idle, "brier", None) == drive.score(Candidate(model), "brier", None)
     busy = Candidate(model, sm.HsrParams.thesis())
-    assert drive.score(busy, "brier", None) != drive.score(Candidate(model), "brier", None)
+    without, with_idle, with_busy = (
+        score_candidate(each, drive, "brier", None) for each in (Candidate(model), idle, busy)
+    )
+    assert with_idle == without
+    assert with_busy != without
 
 
 # The search.
@@ -141,16 +150,16 @@ def test_an_interrupted_search_ends_as_one_that_was_not(folder, sampler, monkeyp
 
 
 def test_ctrl_c_in_a_trial_keeps_the_finished_ones(folder, capsys, monkeypatch):
-    score, calls = Drive.score, []
+    calls = []
 
-    def interrupted(self, *arguments):
+    def interrupted(*arguments):
         calls.append(arguments)
         if len(calls) == 6:  # the second drive of the third trial
             raise KeyboardInterrupt
-        return score(self, *arguments)
+        return score_candidate(*arguments)
 
     line = f"tune --out {folder} {OPTIONS} --trials 5"
-    monkeypatch.setattr(Drive, "score", interrupted)
+    monkeypatch.setattr(searching, "score_candidate", interrupted)
     assert main(line.split()) == 130
     assert capsys.readouterr().err == "sonarbed: interrupted; what was finished is kept\n"
     assert not (folder / "tune.json").exists()
@@ -158,7 +167,7 @@ def test_ctrl_c_in_a_trial_keeps_the_finished_ones(folder, capsys, monkeypatch):
     states = [trial.state.name for trial in kept]
     assert states == ["COMPLETE", "COMPLETE", "FAIL"]
 
-    monkeypatch.setattr(Drive, "score", score)
+    monkeypatch.setattr(searching, "score_candidate", score_candidate)
     assert main(line.split()) == 0
     again = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
     assert [trial.values for trial in again[:2]] == [trial.values for trial in kept[:2]]
@@ -216,11 +225,10 @@ def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
     search = search_in(folder, sampler=sampler, target="both")
     found = find(search, trials=8, on_progress=ignore)
     assert len(set(points(found))) == 8
-    (drive,) = load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 1),))
     best = found.best
     again = [
-        each.score(best.candidate, "map_score", None)
-        for each in (*load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 0),)), drive)
+        score_candidate(best.candidate, search.drives.scorable(spec), "map_score", None)
+        for spec in search.settings.drives(["thesis-exp1"])
     ]
     assert best.score == pytest.approx(np.mean(again), abs=1e-12)
 
@@ -287,7 +295,7 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
 
 def test_all_rooms_are_a_mean_of_means_with_an_interval_over_seeds():
     scores = {"best": np.array([[1.0, 3.0], [5.0, 5.0]]), "thesis": np.zeros((2, 2))}
-    judged = Judged(("a", "b"), scores)
+    judged = RoomScores(("a", "b"), scores)
     assert judged.places == ("a", "b", "all rooms")
     both = judged.score("best", "all rooms")
     # Seeds have 3 and 4; Student's t for two of them is 12.706.
@@ -337,34 +345,32 @@ def test_a_study_of_somebody_else_is_refused(folder):
 
 
 def test_a_drive_without_truth_is_refused(folder, refused):
-    path = folder / "logs" / "thesis-exp1-thesis-6-0000.parquet"
+    path = path_of(folder, seed=0)
     sm.read_log(path).replace(truth=None).write(path)
     assert f"{path}: the log has no truth" in refused(f"tune --out {folder} {OPTIONS} --trials 1")
 
 
 def test_another_drive_by_the_same_name_is_refused(folder, refused):
-    logs = folder / "logs"
-    shutil.copy(
-        logs / "thesis-exp1-thesis-6-0000.parquet", logs / "thesis-exp1-thesis-6-0001.parquet"
-    )
+    other = path_of(folder, seed=1)
+    shutil.copy(path_of(folder, seed=0), other)
     complaint = refused(f"tune --out {folder} {OPTIONS} --trials 1")
-    assert "thesis-exp1-thesis-6-0001.parquet: must be the drive" in complaint
+    assert f"{other}: must be the drive" in complaint
     assert complaint.endswith("remove it, and it is made again")
 
 
 def test_a_full_disk_is_one_line_and_keeps_the_finished_trials(folder, refused, monkeypatch):
     find(search_in(folder), trials=2, on_progress=ignore)
-    prepared = searching._write_ahead
+    prepared = storage._write_ahead
 
     def small(connection, record):
         prepared(connection, record)
         connection.execute("PRAGMA max_page_count = 1")  # SQLite takes what there is
 
-    monkeypatch.setattr(searching, "_write_ahead", small)
+    monkeypatch.setattr(storage, "_write_ahead", small)
     complaint = refused(f"tune --out {folder} {OPTIONS} --trials 400")
     assert complaint.startswith("storage sqlite:////")
     assert complaint.endswith("cannot be used: database or disk is full")
-    monkeypatch.setattr(searching, "_write_ahead", prepared)
+    monkeypatch.setattr(storage, "_write_ahead", prepared)
     assert len(find(search_in(folder), trials=2, on_progress=ignore).trials) >= 2
 
 

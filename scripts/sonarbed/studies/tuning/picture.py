@@ -9,14 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sonarbed.reporting.pictures import save
+from sonarbed.reporting.drawing import COLOURS, save
 from sonarbed.studies.tuning.search import Search, Trial
 
 __all__ = ["draw_search"]
 
-# Okabe and Ito's palette, as the other pictures.
-_TRIAL, _BEST = "#56B4E9", "#D55E00"
-_OTHERS = ("#0072B2", "#009E73")
+_TRIAL, _BEST = COLOURS[5], COLOURS[1]
+_OTHERS = (COLOURS[0], COLOURS[2])
 _COLUMNS = 4
 # The worst trials lie so far below that they would press all others into a line.
 _SHOWN_SHARE = 0.1
