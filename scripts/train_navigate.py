@@ -107,7 +107,7 @@ class NearAndFar(BaseFeaturesExtractor):
     """
 
     def __init__(self, space: Dict) -> None:
-        sizes = {name: math.prod(part.shape) for name, part in space.spaces.items()}
+        sizes = {name: math.prod(part.shape or ()) for name, part in space.spaces.items()}
         super().__init__(space, sum(sizes.values()) + sizes["range"] + 1)
         # The environment and the memory of the training do not name them in the same order.
         self._names = sorted(sizes)
@@ -319,11 +319,16 @@ def film(act: Act, path: Path) -> int | None:
     for seed in range(FILM_SEED, FILM_SEED + FILM_TRIES):
         # Frames cost more than driving: first without.
         if drive(act, seed, lambda env: None):
-            frames: list[NDArray[np.uint8]] = []
-            drive(act, seed, lambda env, frames=frames: frames.append(env.render()))
-            write_gif(frames, path, fps=FILM_FPS)
+            write_gif(frames_of(act, seed), path, fps=FILM_FPS)
             return seed
     return None
+
+
+def frames_of(act: Act, seed: int) -> list[NDArray[np.uint8]]:
+    """Return what an episode looks like, every few steps."""
+    frames: list[NDArray[np.uint8]] = []
+    drive(act, seed, lambda env: frames.append(env.render()))
+    return frames
 
 
 def drive(act: Act, seed: int, look: Callable[[Any], None]) -> bool:

@@ -57,9 +57,9 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
         fontsize=13,
     )
     classes_before, classes_after = _classes(before, after, updated)
-    for axes, side, log, title, classes, es in (
-        (left, "left", before, "before", classes_before, walls[0]),
-        (right, "right", after, "after", classes_after, walls[1]),
+    for axes, log, title, classes, es in (
+        (left, before, "before", classes_before, walls[0]),
+        (right, after, "after", classes_after, walls[1]),
     ):
         _walls(axes, es)
         axes.plot(log.x_m, log.y_m, color="black", lw=0.8, label="path by odometry")
@@ -70,9 +70,11 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
         silent = int(np.isposinf(log.range_m).sum())
         axes.set_title(f"{title} ({silent} readings without echo: not drawn)", fontsize=11)
         plan(axes)
+        handles, labels = axes.get_legend_handles_labels()
         figure.legend(
-            *axes.get_legend_handles_labels(),
-            loc=f"outside lower {side}",
+            handles,
+            labels,
+            loc="outside lower left" if axes is left else "outside lower right",
             ncols=3,
             fontsize=9,
             markerscale=2.5,

@@ -182,11 +182,15 @@ def _picture(corridor: Corridor, read_m: float) -> Figure:
     axes.plot(*image, "^", color=COLOURS[2], ms=9, mfc="none")
     axes.plot(*(read_m * axis), "X", color=COLOURS[1], ms=10)
     axes.annotate("sonar", (0, 0), (0, -14), textcoords="offset points", ha="center", va="top")
-    axes.annotate("mirror image", image, (10, 0), textcoords="offset points", va="center")
-    axes.annotate(f"ghost, {read_m:.3f} m", read_m * axis, (10, 0), textcoords="offset points",
-                  va="center")  # fmt: skip
-    axes.annotate("board", points[-1], (14, 0), textcoords="offset points", va="center")
+    axes.annotate("mirror image", _place(image), (10, 0), textcoords="offset points", va="center")
+    axes.annotate(f"ghost, {read_m:.3f} m", _place(read_m * axis), (10, 0),
+                  textcoords="offset points", va="center")  # fmt: skip
+    axes.annotate("board", _place(points[-1]), (14, 0), textcoords="offset points", va="center")
     axes.set_aspect("equal")
     axes.set(xlim=(-0.6, 3.6), ylim=(-1.05, 1.95), xlabel="x, m", ylabel="y, m")
     figure.legend(loc="outside lower center", ncols=3)
     return figure
+
+
+def _place(xy_m: NDArray[np.float64]) -> tuple[float, float]:
+    return float(xy_m[0]), float(xy_m[1])

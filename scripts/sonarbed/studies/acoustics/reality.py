@@ -105,20 +105,8 @@ def _hallway(context: StudyContext) -> Item:
         tuple(np.mean([shares.repeated_by_sonar for shares in each], axis=0).tolist()),
     )
     rows = [
-        (
-            name,
-            _percent(value(ours)),
-            _percent(value(REAL)),
-            _points(value(ours) - value(REAL)),
-        )
-        for name, value in (
-            ("no echo, overall", lambda s: s.lost),
-            ("no echo, least of the sonars", lambda s: min(s.lost_by_sonar)),
-            ("no echo, most of the sonars", lambda s: max(s.lost_by_sonar)),
-            ("repeated, overall", lambda s: s.repeated),
-            ("repeated, least of the sonars", lambda s: min(s.repeated_by_sonar)),
-            ("repeated, most of the sonars", lambda s: max(s.repeated_by_sonar)),
-        )
+        (name, _percent(mine), _percent(real), _points(mine - real))
+        for (name, mine), real in zip(_rows_of(ours).items(), _rows_of(REAL).values(), strict=True)
     ]
     figure, panels = figure_with(1, 2, width=5.2, height=3.4, sharey=True)
     names = ("no echo", "repeated value")
@@ -167,6 +155,17 @@ def _hallway(context: StudyContext) -> Item:
             ),
         ),
     )
+
+
+def _rows_of(shares: LogShares) -> dict[str, float]:
+    return {
+        "no echo, overall": shares.lost,
+        "no echo, least of the sonars": min(shares.lost_by_sonar),
+        "no echo, most of the sonars": max(shares.lost_by_sonar),
+        "repeated, overall": shares.repeated,
+        "repeated, least of the sonars": min(shares.repeated_by_sonar),
+        "repeated, most of the sonars": max(shares.repeated_by_sonar),
+    }
 
 
 def _percent(share: float) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from sonarbed.reporting.context import StudyContext
@@ -121,7 +121,7 @@ def _two_views(model: SensorModel, reading: float, far: float) -> Figure:
     flat.set_xlabel("along the axis, units")
     flat.set_ylabel("across, units")
     figure.colorbar(image, ax=flat, shrink=0.75, label="P(occupied)")
-    hill: Axes = figure.add_subplot(1, 2, 2, projection="3d")
+    hill: Axes3D = figure.add_subplot(1, 2, 2, projection="3d")
     hill.plot_surface(x, y, p, cmap="RdBu_r", vmin=0, vmax=1, rstride=6, cstride=6, lw=0)
     hill.set_xlabel("along, units")
     hill.set_ylabel("across, units")

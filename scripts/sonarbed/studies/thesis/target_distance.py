@@ -102,7 +102,9 @@ def excess_m(distance_m: ArrayLike, ring: SonarRing) -> NDArray[np.float64]:
     to it is within the sonar's range.
     """
     d = np.asarray(distance_m, float)
-    return np.minimum(d / math.cos(ring.half_angle_rad), ring.range_max_m) - d
+    way_m = np.minimum(d / math.cos(ring.half_angle_rad), ring.range_max_m)
+    excess: NDArray[np.float64] = way_m - d
+    return excess
 
 
 def edge_readings(

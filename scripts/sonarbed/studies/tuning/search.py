@@ -69,8 +69,7 @@ class Search:
     @property
     def kept(self) -> StudyStorage:
         """Where its study is kept."""
-        direction = "maximize" if self.settings.higher_is_better else "minimize"
-        return StudyStorage(self.storage, self.study_name, direction)
+        return StudyStorage(self.storage, self.study_name, maximize=self.settings.higher_is_better)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
 
 import optuna
 from sqlalchemy import event
@@ -32,13 +31,13 @@ class StudyStorage:
         URL of Optuna's storage.
     study_name : str
         Name of the study in it.
-    direction : str
-        "maximize" or "minimize", for a study that is made now.
+    maximize : bool
+        Whether a higher score is better, for a study that is made now.
     """
 
     url: str
     study_name: str
-    direction: Literal["maximize", "minimize"]
+    maximize: bool
 
     @property
     def shown_url(self) -> str:
@@ -78,7 +77,7 @@ class StudyStorage:
         study = optuna.create_study(
             storage=storage,
             study_name=self.study_name,
-            direction=self.direction,
+            direction="maximize" if self.maximize else "minimize",
             load_if_exists=True,
         )
         return storage, study

@@ -37,7 +37,8 @@ class Deviation:
 
 def axes_rad(step_deg: float) -> NDArray[np.float64]:
     """Return the directions of a whole turn in steps, radians."""
-    return np.radians(np.arange(-180.0, 180.0, step_deg))
+    axes: NDArray[np.float64] = np.radians(np.arange(-180.0, 180.0, step_deg))
+    return axes
 
 
 def sweep(
