@@ -61,7 +61,7 @@ CURVE_EPISODES, CURVE_EVERY_S = 100, 20.0
 # A film shows every fourth step, as fast as it was.
 FILM_EVERY, FILM_FPS, FILM_WAY_M = 4, 2.5, 4.0
 FILM_TRIES = 100
-# The range that Navigate tells as 1.
+# The range that Navigate reports as 1.
 GOAL_RANGE_M = 10.0
 # Twice the standard deviations between which a normal variable is with 95 % probability.
 Z = 1.959964
@@ -403,7 +403,7 @@ def main(
     write_curve(curve, out / "curve.csv")
     draw_curve(curve, both["random"], out / "curve.png")
     film_seed = film(learned(model), out / "film.gif")
-    told = {
+    results = {
         "minutes": minutes,
         "seed": seed,
         "steps": model.num_timesteps,
@@ -414,7 +414,7 @@ def main(
         },
     }
     with atomic_path(out / "results.json") as beside:
-        beside.write_text(as_json(told) + "\n")
+        beside.write_text(as_json(results) + "\n")
     print_table(
         f"Episodes that reach the goal, {episodes} a room, after {model.num_timesteps:,} steps",
         ["policy", *JUDGED_IN, "both"],

@@ -142,12 +142,13 @@ def _materials(context: StudyContext) -> Item:
     handles = [Patch(color=c, label=name) for c, name in zip(_COLOURS, _LABELS, strict=True)]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     ranked = sorted(widest, key=widest.__getitem__)
-    told = heard_spans_rad(sonar, plane_over_db(sonar, 2.0) - 0.2)[-1][1]
+    theory_rad = heard_spans_rad(sonar, plane_over_db(sonar, 2.0) - 0.2)[-1][1]
     return Item(
         "Every material at 0.5, 1, 2 and 3 m",
         "A wall answers while the beam at its normal stands above the threshold, in lobes with "
         "dead bands between them; a rough one also by what it scatters. The angle follows from "
-        f"beam and level: for glass at 2 m the last lobe ends at {math.degrees(told):.1f} degrees.",
+        f"beam and level: for glass at 2 m the last lobe ends at {math.degrees(theory_rad):.1f} "
+        "degrees.",
         f"At 2 m the widest incidence that still answers runs from {widest[ranked[0]]:.1f} degrees "
         f"({ranked[0]}) over {widest['glass']:.1f} (glass) and {widest['drywall']:.1f} (drywall) "
         f"to {widest[ranked[-1]]:.1f} ({ranked[-1]}).",

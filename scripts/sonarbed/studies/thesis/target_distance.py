@@ -196,10 +196,10 @@ def _growth(one: _Measured) -> str:
 
 
 def _answer(measured: list[_Measured]) -> str:
-    told = [_near(one.target, one.averaged) for one in measured]
+    clauses = [_near(one.target, one.averaged) for one in measured]
     return (
         f"TDTh against the thesis's {_THESIS_TDTH_M * 1e3:.0f} mm, averaged over "
-        f'{_AVERAGED_M[0]:g} to {_AVERAGED_M[1]:g} m: {"; ".join(told)}. "Near" is within '
+        f'{_AVERAGED_M[0]:g} to {_AVERAGED_M[1]:g} m: {"; ".join(clauses)}. "Near" is within '
         f"{_NEAR:.0%}."
     )
 

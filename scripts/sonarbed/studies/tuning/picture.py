@@ -47,7 +47,7 @@ def draw_search(
     values = [trial.candidate.to_dict() for trial in trials]
     # P1 is 1 - P4 and says nothing new.
     searched = [
-        name for name in values[0] if name != "p1" and len({told[name] for told in values}) > 1
+        name for name in values[0] if name != "p1" and len({each[name] for each in values}) > 1
     ]
     rows = -(-len(searched) // _COLUMNS)
     figure = Figure(figsize=(13, 4.2 + 3 * rows), layout="constrained")
@@ -70,7 +70,7 @@ def draw_search(
 
     for index, name in enumerate(searched):
         axes = figure.add_subplot(grid[1 + index // _COLUMNS, index % _COLUMNS], sharey=history)
-        axes.plot([told[name] for told in values], scores, ".", ms=4, color=_TRIAL)
+        axes.plot([each[name] for each in values], scores, ".", ms=4, color=_TRIAL)
         axes.plot(best.candidate.to_dict()[name], best.score, "o", ms=8, color=_BEST)
         axes.set_xlabel(name)
         if index % _COLUMNS:

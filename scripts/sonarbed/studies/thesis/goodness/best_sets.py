@@ -103,7 +103,7 @@ def optimal_sets_item(
             "The sets that the thesis printed, and what they are worth in these rooms",
         ),
     )
-    told = [
+    clauses = [
         f"{whose} against {what}: {verdicts(_gains(choices, 2, before), 1)}"
         for whose, choices in (("ours", chosen), ("the thesis's own sets", printed))
         for before, what in ((0, "d"), (1, "e"))
@@ -113,7 +113,7 @@ def optimal_sets_item(
         "Three optimal sets by VSDNS: the mean of the first bar (5.10 d: 0.03, 0.171, 0.786, 0.97, "
         "6.14), the lowest VSDNS (e: 0.02, 0.2, 0.5, 0.98, 6), and the set at the mean VSDNS (f: "
         "0.02, 0.05, 2, 0.98, 14), 'remarkably better' than the other two.",
-        f"Is f better, by true Map Score in bit? {'; '.join(told)}. Sets with a better true Map "
+        f"Is f better, by true Map Score in bit? {'; '.join(clauses)}. Sets with a better true Map "
         f"Score than d, e and f (ours): {'; '.join(_beaten(chosen, (0, 1, 2)))}.",
         tuple(_maps(context, found, chosen[found.room]) for found in searches),
         tables,
@@ -122,7 +122,7 @@ def optimal_sets_item(
 
 def other_measures_item(chosen: Choices, printed: Choices) -> Item:
     """Return figures 5.11 and 5.12."""
-    told = [
+    clauses = [
         f"{name} chooses (P1, P2, 2 P3, P4, P5) "
         + "; ".join(
             f"{room} {', '.join(_printed(of_room[index].model))} with "
@@ -142,7 +142,7 @@ def other_measures_item(chosen: Choices, printed: Choices) -> Item:
         "The derivative calls 0.05, 0.2, 0.5 (in the figure 1.0), 0.95, 40 optimal, 'worse than "
         "most of the maps of figure 5.10'; two runs call 0.02, 0.05, 3, 0.98, 35 optimal, 'better "
         "than several sets but not the best one'.",
-        f"{'. '.join(told)}. The best by truth: {'; '.join(best)}. Sets with a better true Map "
+        f"{'. '.join(clauses)}. The best by truth: {'; '.join(best)}. Sets with a better true Map "
         f"Score than the choice by derivative and by two runs: {'; '.join(_beaten(chosen, (3, 4)))}"
         f"; than the thesis's own two: {'; '.join(_beaten(printed, (3, 4)))}. The two runs have "
         "the same start and the same driver, but their odometry errs differently, as a robot's "
@@ -192,7 +192,7 @@ def first_bar_item(context: StudyContext, searches: Sequence[RoomSearch]) -> Ite
             "(P1 = 1 - P4 ranks as P4 turned round)",
         ),
     )
-    told = [
+    clauses = [
         f"{name} {verdicts({r: by[name]['vsdns'] for r, by in leaning.items()}, 1, words=words)}"
         for name in names
         for words in [("more VSDNS", "less VSDNS", "no tendency")]
@@ -206,7 +206,7 @@ def first_bar_item(context: StudyContext, searches: Sequence[RoomSearch]) -> Ite
         "show no pattern.",
         f"In {found.room} the first bar has {len(members)} sets, {shared} of them among the "
         f"{searched} of table 5.2 that were searched. Higher values of a parameter give, as rank "
-        f"correlations: {'; '.join(told)}. With the true Map Score in {found.room}: "
+        f"correlations: {'; '.join(clauses)}. With the true Map Score in {found.room}: "
         f"{', '.join(true)}.",
         tables=tables,
     )

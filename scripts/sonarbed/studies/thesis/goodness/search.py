@@ -153,7 +153,7 @@ def _run_of(task: tuple[DriveStore, DriveSpec]) -> Run:
 def within_reach(log: sm.SonarLog, grid: sm.GridSpec, reach_m: float) -> NDArray[np.bool_]:
     """Return which cells have a sonar's true place within a distance of their centres.
 
-    Beyond the reach of every set there is nothing to tell the sets apart: such cells would only
+    Beyond the reach of every set nothing distinguishes the sets: such cells would only
     dilute the scores.
     """
     there = np.ones(grid.shape, bool)

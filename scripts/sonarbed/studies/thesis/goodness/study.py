@@ -73,12 +73,12 @@ def _histogram(context: StudyContext, searches: Sequence[RoomSearch]) -> Item:
         for i in range(BINS)
     ]
     rows.append(["end", *(cell for bar in bars for cell in (f"{bar.edges[-1]:.6f}", ""))])
-    told = []
+    clauses = []
     for found, bar in zip(searches, bars, strict=True):
         vsdns = found.mean("vsdns")
         p = float(stats.normaltest(vsdns).pvalue) if vsdns.size >= 20 else float("nan")
         normal = "not normal" if p < 0.05 else "not told from normal"
-        told.append(
+        clauses.append(
             f"{found.room} {bar.edges[0]:.4f} to {bar.edges[-1]:.4f}, the first bar up to "
             f"{bar.edges[1]:.4f} with {bar.counts[0]} sets, skewness {stats.skew(vsdns):+.2f} "
             f"({normal}, p = {p:.2g})"
@@ -88,7 +88,7 @@ def _histogram(context: StudyContext, searches: Sequence[RoomSearch]) -> Item:
         "Figure 5.9",
         "VSDNS of 1440 parameter sets in 14 bins: from 0.054 to about 0.12, 'represents a normal "
         "distribution', the first bar from 0.054079 to 0.059045 with 28 sets.",
-        f"VSDNS of {len(searches[0].sets)} sets, mean over the drives: {'; '.join(told)}. "
+        f"VSDNS of {len(searches[0].sets)} sets, mean over the drives: {'; '.join(clauses)}. "
         f"Between drives a set's VSDNS in {searches[0].room} varies by {between:.4f} (standard "
         "deviation).",
         (
@@ -118,13 +118,13 @@ def _ranks(context: StudyContext, searches: Sequence[RoomSearch], rankings: Rank
         "runs widened for the runs that neighbouring pairs share",
     )
     best = max(MEASURES, key=lambda m: _mean_ranking(rankings, rooms, m.name))
-    told = [f"{m.title} {_mean_ranking(rankings, rooms, m.name):+.2f}" for m in MEASURES]
+    clauses = [f"{m.title} {_mean_ranking(rankings, rooms, m.name):+.2f}" for m in MEASURES]
     return Item(
         "Section 5.4: which measure can be trusted",
         "No measure gave satisfactory results; VSDNS is said to do better than the other two. "
         "There was no truth to compare with.",
         f"Mean rank correlation with the truth over {len(rooms)} rooms and both true scores: "
-        f"{', '.join(told)}. The highest is that of {best.title}.",
+        f"{', '.join(clauses)}. The highest is that of {best.title}.",
         (
             context.figure(
                 "rankings",
@@ -149,7 +149,7 @@ def _mean_ranking(rankings: Rankings, rooms: Sequence[str], measure: str) -> flo
 
 def _answer(searches: Sequence[RoomSearch], rankings: Rankings) -> Answer:
     rooms = [found.room for found in searches]
-    told, trusted = [], []
+    sentences, trusted = [], []
     for measure in MEASURES:
         by_truth = {
             truth.title: {room: rankings[room, measure.name, truth.name] for room in rooms}
@@ -161,7 +161,7 @@ def _answer(searches: Sequence[RoomSearch], rankings: Rankings) -> Answer:
             f"by {title} {verdicts(by_room, 1, words=_RANK_WORDS)}"
             for title, by_room in by_truth.items()
         ]
-        told.append(f"{measure.title}: {'; '.join(clauses)}")
+        sentences.append(f"{measure.title}: {'; '.join(clauses)}")
     best = max(MEASURES, key=lambda m: _mean_ranking(rankings, rooms, m.name))
     lead = (
         f"In every room and by both true scores only: {', '.join(trusted)}"
@@ -171,7 +171,7 @@ def _answer(searches: Sequence[RoomSearch], rankings: Rankings) -> Answer:
     return Answer(
         4,
         f"{lead}. The highest mean over rooms and scores is {best.title}'s, "
-        f"{_mean_ranking(rankings, rooms, best.name):+.2f}. {'. '.join(told)}. (Rank correlation "
-        f"over {len(searches[0].sets)} parameter sets: 1 ranks as the truth does, -1 the other "
-        "way round, 0 is chance.)",
+        f"{_mean_ranking(rankings, rooms, best.name):+.2f}. {'. '.join(sentences)}. (Rank "
+        f"correlation over {len(searches[0].sets)} parameter sets: 1 ranks as the truth "
+        "does, -1 the other way round, 0 is chance.)",
     )

@@ -65,7 +65,7 @@ def places_of(log: sm.SonarLog, world: worlds.World) -> NDArray[np.int8]:
     on_axis_m = distance_m[:, aside]
     rows, nearest = np.arange(len(log)), distance_m.argmin(axis=1)
     nearest_m = distance_m[rows, nearest]
-    # An edge at the end of the range, where nothing is heard any more, is not told from a wall.
+    # An edge at the end of the range, where nothing is heard any more, counts as a wall.
     within_m = np.minimum(distance_m, ring.range_max_m)
     edge = np.abs(np.diff(within_m, axis=1)).max(axis=1) > _EDGE_M
     opening = np.isinf(on_axis_m) | (edge & (np.minimum(on_axis_m, 99) - nearest_m > _EDGE_M))

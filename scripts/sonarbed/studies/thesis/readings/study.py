@@ -219,7 +219,7 @@ _ERRORS = (
 
 
 def _errors(context: StudyContext, rooms: Mapping[str, Sequence[Mending]]) -> Item:
-    rows, told = [], []
+    rows, sentences = [], []
     for room, drives in rooms.items():
         for key in drives[0].errors:
             values = np.array([drive.errors[key] for drive in drives])
@@ -228,14 +228,14 @@ def _errors(context: StudyContext, rooms: Mapping[str, Sequence[Mending]]) -> It
             np.array([drive.errors[f"{when} cone"] for drive in drives]).mean(axis=0)
             for when in ("before", "after")
         )
-        told.append(
+        sentences.append(
             f"{room}: {before[2]:.0%} too long by 0.1 m against the cone become {after[2]:.0%}, "
             f"{before[3]:.0%} too short become {after[3]:.0%}."
         )
     return Item(
         "Chapter 6: range errors",
         "An updated reading is to be nearer to the true distance.",
-        " ".join(told),
+        " ".join(sentences),
         tables=(
             context.table(
                 "errors",

@@ -65,10 +65,10 @@ def _maps(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
             examples.append(TitledMap(title, built))
     figure = draw_maps(drive.truth, drive.observable, examples)
     judged = found[_EXAMPLE_ROOM]
-    told = []
+    clauses = []
     for score_ in SCORES:
         difference = differences(judged, 0, score_.name)
-        told.append(
+        clauses.append(
             f"{word(difference, score_.better)} by {score_.title} "
             f"({difference.text(3, score_.unit)})"
         )
@@ -77,8 +77,8 @@ def _maps(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
         "Maps of one room by the standard model (beta 15 degrees, tolerance 1 unit, maximum 0.98) "
         "and by the parameterised model (0.02, 0.15, 1 unit, 0.98, 15 degrees): the second is "
         "said to be better.",
-        f"In {_EXAMPLE_ROOM} the parameterised model is {', '.join(told)}: the paired difference "
-        "to the standard model, with its interval over the seeds.",
+        f"In {_EXAMPLE_ROOM} the parameterised model is {', '.join(clauses)}: the paired "
+        "difference to the standard model, with its interval over the seeds.",
         (
             context.figure(
                 "maps",
@@ -199,13 +199,13 @@ def _why(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
         "Where the difference of the Map Score (parameterised less standard) comes from: three "
         "kinds of cells that add up to it, with 95 % intervals",
     )
-    told = [f"on {title} it is {verdicts(by_room, 1, 2)}" for title, by_room in parts[0].items()]
+    clauses = [f"on {title} it is {verdicts(by_room, 1, 2)}" for title, by_room in parts[0].items()]
     return Item(
         "Why one model wins: three kinds of cells",
         "The proposed model has no spikes that say the opposite of what they should; the thesis "
         "gives no number.",
         f"{_of_the_models()} The Map Score's difference with P3 = {PAIRS[0].tolerance_m:g} m, in "
-        f"bits per observable cell: {'; '.join(told)}. {_example_areas(found[_EXAMPLE_ROOM])}",
+        f"bits per observable cell: {'; '.join(clauses)}. {_example_areas(found[_EXAMPLE_ROOM])}",
         (figure,),
         (table,),
     )
@@ -213,34 +213,34 @@ def _why(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
 
 def _of_the_models() -> str:
     """Return what the models themselves say before their hills and in them, in numbers."""
-    pair, told = PAIRS[0], []
+    pair, clauses = PAIRS[0], []
     for reading_m in (1.0, 2.0):
         (standard_before, standard_hill), (ours_before, ours_hill) = (
             contradictions(model, reading_m, pair.tolerance_m)
             for model in (pair.standard, pair.parameterized)
         )
-        told.append(
+        clauses.append(
             f"of a reading of {reading_m:g} m the standard model calls {standard_before:.0%} of "
             f"the cone before its hill rather occupied and {standard_hill:.0%} of the hill rather "
             f"free (parameterised: {ours_before:.0%} and {ours_hill:.0%})"
         )
-    return f"By the equations alone, {'; '.join(told)}."
+    return f"By the equations alone, {'; '.join(clauses)}."
 
 
 def _example_areas(judged: ScoredPairs) -> str:
-    told = []
+    clauses = []
     for index, pair in enumerate(PAIRS):
         phantom, missed = (
             [mean(judged, index, model, name).value for model in (0, 1)]
             for name in ("phantom_m2", "false_free_m2")
         )
         whole = differences(judged, index, "map_score")
-        told.append(
+        clauses.append(
             f"with P3 = {pair.tolerance_m:g} m a phantom area of {phantom[1]:.2f} against "
             f"{phantom[0]:.2f} m², walls mapped as free {missed[1]:.2f} against "
             f"{missed[0]:.2f} m², Map Score {whole.text(2, 'bit')}"
         )
-    return f"{_EXAMPLE_ROOM}, parameterised against standard: {'; '.join(told)}."
+    return f"{_EXAMPLE_ROOM}, parameterised against standard: {'; '.join(clauses)}."
 
 
 def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
@@ -261,7 +261,7 @@ def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
         if everywhere
         else "Not in every room by any of the four scores"
     )
-    told = [
+    clauses = [
         f"by {score.title} {verdicts(by_room, score.better, 2)}"
         for score, by_room in by_score[0].items()
     ]
@@ -272,7 +272,7 @@ def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
     return Answer(
         5,
         f"{lead}. With the parameters of figure 5.8 (P3 = {PAIRS[0].tolerance_m:g} m) the "
-        f"parameterised model is, {'; '.join(told)} (differences to the standard model). With "
+        f"parameterised model is, {'; '.join(clauses)} (differences to the standard model). With "
         f"P3 = {PAIRS[1].tolerance_m:g} m for both it is better, of {len(found)} rooms, in "
         f"{', '.join(finer)}.",
     )

@@ -77,11 +77,11 @@ def cause(experiment: Experiment, sweeps: Mapping[str, Sweep]) -> str:
 def region(sweep: Sweep, *, measures: tuple[str, ...] = tuple(_MEASURES)) -> str:
     """Return where the good pairs are, and which of table 6.1's are among them."""
     inside = in_table_6_1(sweep.pairs)
-    told = []
+    sentences = []
     for measure in measures:
         raised, _ = _decided(sweep, measure)
         good, best = sweep.as_good_as_best(measure), sweep.best(measure)
-        told.append(
+        sentences.append(
             f"By {_MEASURES[measure]} {_those(sweep.pairs, raised)} better than no HSR, "
             f"{(raised & inside).sum()} of them in table 6.1; the best is "
             f"{pair_name(sweep.pairs[best])} ({sweep.changes(measure)[best].text(2)}), "
@@ -89,7 +89,7 @@ def region(sweep: Sweep, *, measures: tuple[str, ...] = tuple(_MEASURES)) -> str
             f"{(good & inside).sum()} of the {good.sum()} pairs not decidedly worse than it. "
             f"{_lead(sweep, measure, inside)}"
         )
-    return " ".join(told)
+    return " ".join(sentences)
 
 
 def runs_of(sweep: Sweep, measure: str, low: int) -> list[tuple[int, int]]:
@@ -109,27 +109,27 @@ def runs_of(sweep: Sweep, measure: str, low: int) -> list[tuple[int, int]]:
 
 def border(sweep: Sweep, measure: str = "points f1") -> str:
     """Return up to which max wall HSR helps, from the least on, beside the end of table 6.1."""
-    told = []
+    clauses = []
     for low, (_, most) in TABLE_6_1.items():
         highs = [high for smallest, high in sweep.pairs if smallest == low]
         if not highs:
             continue
         runs = runs_of(sweep, measure, low)
         helps = bool(runs) and runs[0][0] == min(highs)
-        told.append(f"{low}: {runs[0][1] if helps else 'none'} (thesis {most})")
+        clauses.append(f"{low}: {runs[0][1] if helps else 'none'} (thesis {most})")
     return (
         "Min wall, and the max wall up to which HSR helps from the least one on, mm: "
-        f"{', '.join(told)}."
+        f"{', '.join(clauses)}."
     )
 
 
 def openings_kept(experiment: Experiment, sweep: Sweep) -> str:
     """Return what becomes of the openings and the glass wall."""
-    pair, told = experiment.thesis, []
+    pair, clauses = experiment.thesis, []
     for opening in experiment.openings:
         gap = before_after(sweep, f"{opening.name} gap_m clear", pair)
         occupied = before_after(sweep, f"{opening.name} occupied clear", pair)
-        told.append(
+        clauses.append(
             f"{opening.name} has a gap of {gap[0].mean():.2f} m before and {gap[1].mean():.2f} m "
             f"after, and {percent(occupied[0])} and {percent(occupied[1])} of its cells occupied"
         )
@@ -141,8 +141,8 @@ def openings_kept(experiment: Experiment, sweep: Sweep) -> str:
     glass = sweep.change("glass clear", pair)
     before, after = before_after(sweep, "glass clear", pair)
     return (
-        f"At {pair_name(pair)}, no echo clearing: {'; '.join(told)}. The least gap of all pairs: "
-        f"{', '.join(closed)}. The share of the glass wall that is found {_moves(glass)}: "
+        f"At {pair_name(pair)}, no echo clearing: {'; '.join(clauses)}. The least gap of all "
+        f"pairs: {', '.join(closed)}. The share of the glass wall that is found {_moves(glass)}: "
         f"{percent(before)} before, {percent(after)} after."
     )
 

@@ -61,7 +61,7 @@ def run(context: StudyContext) -> ThesisSection:
         found.append(sweeps)
     first, second = found
     items.insert(1, _table_6_1(context, first))
-    # The item tells of the plotted points too; they lie in the plane, not in a map.
+    # The item covers the plotted points too; they lie in the plane, not in a map.
     of_maps = (SCORE, "f1 clear")
     in_1, in_2 = (region(sweeps[WHOLE], measures=of_maps) for sweeps in (first, second))
     where = f"Room 1. {in_1} Room 2. {in_2}"
@@ -87,7 +87,7 @@ def _figure(context: StudyContext, experiment: Experiment, sweeps: Mapping[str, 
     sweep = sweeps[WHOLE]
     name = f"experiment-{experiment.number}"
     (log,) = context.logs(context.specs(experiment.room, seeds=context.seeds[:1]))
-    told = (experiment.thesis, *experiment.shown)
+    thesis_pairs = (experiment.thesis, *experiment.shown)
     return Item(
         number,
         thesis,
@@ -111,12 +111,16 @@ def _figure(context: StudyContext, experiment: Experiment, sweeps: Mapping[str, 
         (
             context.table(
                 f"{name}-scores",
-                ("measure", "without HSR", *(f"change, {pair_name(pair)}" for pair in told)),
+                (
+                    "measure",
+                    "without HSR",
+                    *(f"change, {pair_name(pair)}" for pair in thesis_pairs),
+                ),
                 (
                     (
                         measure,
                         mean_of(before).text(),
-                        *(sweep.change(measure, pair).text() for pair in told),
+                        *(sweep.change(measure, pair).text() for pair in thesis_pairs),
                     )
                     for measure, before in sweep.before.items()
                 ),

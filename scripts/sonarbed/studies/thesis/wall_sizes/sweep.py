@@ -165,11 +165,11 @@ def opening_shares(
 def _measures(
     experiment: Experiment, room: Room, log: sm.SonarLog, repaired: sm.SonarLog
 ) -> dict[str, float]:
-    told: dict[str, float] = {}
+    measures: dict[str, float] = {}
     for policy in POLICIES:
         built = room.map_of(repaired, policy)
         score = sm.score_map(built, room.truth, observable=room.observable)
-        told |= {
+        measures |= {
             f"map_score {policy}": score.map_score,
             f"f1 {policy}": score.f1(1),
             f"brier {policy}": score.brier,
@@ -178,16 +178,16 @@ def _measures(
         }
         for opening in experiment.openings:
             free, occupied, gap_m = opening_shares(built.probability, built.grid, opening)
-            told |= {
+            measures |= {
                 f"{opening.name} free {policy}": free,
                 f"{opening.name} occupied {policy}": occupied,
                 f"{opening.name} gap_m {policy}": gap_m,
             }
         if experiment.glass is not None:
-            told[f"glass {policy}"] = _recall(built.probability, room, experiment.glass)
+            measures[f"glass {policy}"] = _recall(built.probability, room, experiment.glass)
     shares = score_points(plotted_points(repaired), room.space, room.surface_cells_m)
     readings = sm.score_readings(log, repaired)
-    return told | {
+    return measures | {
         "points near": shares.near,
         "points beyond": shares.beyond,
         "points shown": shares.shown,
