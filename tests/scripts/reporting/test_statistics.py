@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from sonarbed.reporting.statistics import Estimate, mean_of, rank_correlation
-from sonarbed.reporting.wording import verdicts, word
 
 
 def test_interval_is_students():
@@ -62,25 +61,3 @@ def test_text_tells_value_interval_and_unit():
 def test_rank_correlation(y, expected):
     assert rank_correlation([1, 2, 3, 4], y) == pytest.approx(expected)
     assert rank_correlation(y, np.arange(4)) == pytest.approx(expected)
-
-
-BY_ROOM = {
-    "hall": Estimate(0.2, 0.1, 0.3),
-    "cell": Estimate(-0.2, -0.3, -0.1),
-    "attic": Estimate(0.1, -0.1, 0.3),
-}
-
-
-def test_words_follow_the_interval_and_what_is_better():
-    assert [word(e, 1) for e in BY_ROOM.values()] == ["better", "worse", "undecided"]
-    assert [word(e, -1) for e in BY_ROOM.values()] == ["worse", "better", "undecided"]
-
-
-def test_verdicts_name_the_rooms():
-    told = verdicts(BY_ROOM, -1, 1)
-    assert told == (
-        "better in 1 of 3 (cell -0.2), worse in 1 of 3 (hall +0.2), "
-        "undecided in 1 of 3 (attic +0.1)"
-    )
-    one = verdicts({"hall": BY_ROOM["hall"]}, 1, words=("up", "down", "level"))
-    assert one == "up in 1 of 1 (hall +0.20)"

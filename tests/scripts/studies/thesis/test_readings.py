@@ -9,7 +9,6 @@ from support import ONE, make_log
 import sonarmap as sm
 from sonarbed.reporting.context import StudyContext
 from sonarbed.studies.thesis import readings
-from sonarbed.studies.thesis.on_axis import heard_on_axis
 from sonarbed.studies.thesis.readings.mending import Counts, share_over_drives
 from sonarbed.studies.thesis.readings.places import Place, places_of
 
@@ -93,12 +92,6 @@ def test_a_surface_far_behind_an_edge_is_an_opening():
     )
     log = make_log([1.0], ring=ONE, truth=truth_of([0.0], [0.0], [0.0]))
     assert places_of(log, room).tolist() == [Place.OPENING]
-
-
-def test_readings_from_off_the_axis_take_no_part():
-    causes = [sm.Cause.DIRECT, sm.Cause.OFF_AXIS, sm.Cause.DROPOUT]
-    log = make_log([1.0, 0.9, np.inf], truth=truth_of(*np.zeros((3, 3)), cause=causes))
-    assert heard_on_axis(log).range_m.tolist() == [1.0, -np.inf, np.inf]
 
 
 def test_a_share_over_drives_is_the_mean_of_their_shares():

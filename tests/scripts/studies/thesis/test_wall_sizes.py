@@ -1,15 +1,12 @@
 import csv
-import math
 
 import numpy as np
 import pytest
-from rooms import box, world
-from support import cells, make_log
+from support import cells
 
 import sonarmap as sm
 from sonarbed.reporting.context import StudyContext
 from sonarbed.studies.thesis.experiments import EXPERIMENTS, Opening
-from sonarbed.studies.thesis.free_space import FreeSpace, plotted_points, score_points
 from sonarbed.studies.thesis.wall_sizes import study
 from sonarbed.studies.thesis.wall_sizes.findings import border, runs_of
 from sonarbed.studies.thesis.wall_sizes.pairs import in_table_6_1, pair_name, wall_pairs
@@ -17,17 +14,6 @@ from sonarbed.studies.thesis.wall_sizes.sweep import Sweep, opening_shares
 
 # Free, occupied and unknown cells of a map.
 P = {".": 0.1, "#": 0.9, "?": 0.5}
-
-
-def room():
-    """A closed room of 2 m by 1 m with its lower-left corner in the origin."""
-    return world(
-        box("south", -0.1, -0.1, 2.1, 0.0),
-        box("north", -0.1, 1.0, 2.1, 1.1),
-        box("west", -0.1, 0.0, 0.0, 1.0),
-        box("east", 2.0, 0.0, 2.1, 1.0),
-        start=(1.0, 0.5, 0.0),
-    )
 
 
 def test_the_sweep_is_the_thesiss_in_steps_of_ten_millimetres():
@@ -53,12 +39,6 @@ def test_table_6_1_holds_its_borders():
 
 def test_a_pair_is_named_as_in_the_thesis():
     assert pair_name((20, 120)) == "20-120 mm"
-
-
-def test_the_threshold_is_the_maximum_range_in_the_closed_room_only():
-    closed, opened = (experiment.params((10, 20), sm.AMIGOBOT) for experiment in EXPERIMENTS)
-    assert closed == sm.HsrParams(0.01, 0.02, 3.0, 0.06)
-    assert opened == sm.HsrParams(0.01, 0.02, 0.8, 0.06)
 
 
 def test_an_opening_is_counted_within_its_strip():
@@ -90,32 +70,6 @@ def test_a_closed_opening_has_no_gap():
     p = np.full((2, 4), P["#"])
     opening = Opening("door", (0.0, 0.0, 0.4, 0.2), runs_along_x=True)
     assert opening_shares(p, sm.GridSpec(0.1, (0.0, 0.0), (2, 4)), opening) == (0.0, 1.0, 0.0)
-
-
-def test_distances_are_to_the_inner_faces():
-    space = FreeSpace.of(room())
-    assert space.polygon.area == pytest.approx(2.0)
-    # In the middle, before the east wall, and behind it beyond its outer face.
-    distances = space.distance_m(np.array([[1.0, 0.5], [1.9, 0.5], [2.2, 0.5]]))
-    assert distances == pytest.approx([0.5, 0.1, 0.2])
-
-
-def test_corners_are_where_walls_meet_and_not_where_they_abut():
-    corners = {tuple(xy) for xy in FreeSpace.of(room()).corners_xy_m.round(6).tolist()}
-    assert corners == {(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)}
-
-
-def test_no_echo_is_plotted_at_five_metres_and_too_close_not_at_all():
-    log = make_log([1.0, np.inf, -np.inf], heading_rad=math.pi / 2)
-    assert plotted_points(log) == pytest.approx(np.array([[0.0, 1.0], [0.0, 5.0]]))
-
-
-def test_points_are_near_beyond_or_before_a_surface():
-    space = FreeSpace.of(room())
-    points = np.array([[1.95, 0.5], [2.05, 0.5], [1.5, 0.5], [4.0, 0.5]])
-    shares = score_points(points, space, np.array([[2.02, 0.5], [-0.02, 0.5]]))
-    assert (shares.near, shares.beyond, shares.shown) == (0.5, 0.25, 0.5)
-    assert shares.f1 == 0.5
 
 
 def test_changes_are_means_over_drives_and_the_best_pair_has_the_highest():
