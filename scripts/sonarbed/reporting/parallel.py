@@ -1,4 +1,4 @@
-"""Tasks computed in parallel processes, with word of how far they are."""
+"""Tasks computed in parallel processes that report how far they are."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from typing import TypeVar
 
 from sim.runs.parallel import run_all
 
-__all__ = ["OnProgress", "no_progress", "parallel_map"]
+__all__ = ["OnProgress", "in_parts", "no_progress", "parallel_map"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+Key = TypeVar("Key")
 
 OnProgress = Callable[[str, int, int], None]
 """Called with a label, how much is done, and how much there is."""
@@ -55,3 +56,9 @@ def parallel_map(
         on_done=lambda index: on_progress(label, len(results), len(tasks)),
     )
     return [results[index] for index in range(len(tasks))]
+
+
+def in_parts(results: Sequence[Result], keys: Sequence[Key]) -> dict[Key, list[Result]]:
+    """Return results in equal parts, in their order, a part for each key."""
+    size = len(results) // len(keys)
+    return {key: list(results[i * size : (i + 1) * size]) for i, key in enumerate(keys)}

@@ -75,6 +75,13 @@ def test_of_a_rooms_file_the_content_counts(tmp_path):
     assert specs[0].file_name.startswith("hall-")
 
 
+def test_a_file_called_like_a_shipped_room_is_not_it(tmp_path, monkeypatch):
+    before = TINY.file_name
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / TINY.room).write_text("shopping list")
+    assert replace(TINY).file_name == before
+
+
 def test_what_cannot_be_described_is_refused():
     with pytest.raises(InputError, match="must be described by plain values, got <object"):
         replace(TINY, parameters=(("gap_m", object()),)).digest  # noqa: B018

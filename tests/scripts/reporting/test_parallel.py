@@ -1,6 +1,6 @@
 import pytest
 
-from sonarbed.reporting.parallel import parallel_map
+from sonarbed.reporting.parallel import in_parts, parallel_map
 from sonarmap import InputError
 
 
@@ -29,3 +29,7 @@ def test_map_passes_errors_on(jobs):
 
 def test_map_of_nothing_is_nothing():
     assert parallel_map(square, [], "squares") == []
+
+
+def test_parts_are_equal_and_in_order():
+    assert in_parts([1, 2, 3, 4], ["a", "b"]) == {"a": [1, 2], "b": [3, 4]}

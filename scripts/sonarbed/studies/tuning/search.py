@@ -25,7 +25,7 @@ from sonarbed.studies.tuning.storage import StudyStorage, connect, quiet_optuna,
 from sonarmap.errors import InputError
 from sonarmap.files import make_folder
 
-__all__ = ["Found", "Search", "find"]
+__all__ = ["Search", "SearchResult", "find"]
 
 # Generations of 20: ten of them in a search of 200 trials.
 _POPULATION = 20
@@ -82,7 +82,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search has found: all finished trials in their order, and the best of them."""
 
     trials: tuple[Trial, ...]
@@ -96,7 +96,7 @@ def find(
     trials: int | None = None,
     jobs: int = 1,
     on_progress: OnProgress,
-) -> Found:
+) -> SearchResult:
     """Search until that many trials are finished, those of earlier runs included.
 
     Parameters
@@ -239,14 +239,14 @@ def _sampler(
     return optuna.samplers.CmaEsSampler(seed=seed)
 
 
-def _found(search: Search, study: optuna.Study) -> Found:
+def _found(search: Search, study: optuna.Study) -> SearchResult:
     trials = tuple(
         Trial(trial.number, candidate(trial.params, search.settings.model), float(trial.values[0]))
         for trial in _finished(study)
     )
     sign = 1 if search.settings.higher_is_better else -1
     # The first of equals, whoever else works on the study.
-    return Found(trials, max(trials, key=lambda trial: (sign * trial.score, -trial.number)))
+    return SearchResult(trials, max(trials, key=lambda trial: (sign * trial.score, -trial.number)))
 
 
 def _finished(study: optuna.Study) -> list[FrozenTrial]:

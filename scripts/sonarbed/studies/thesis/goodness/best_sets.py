@@ -13,8 +13,8 @@ from sonarbed.reporting.statistics import Estimate, mean_of
 from sonarbed.reporting.wording import verdicts
 from sonarbed.studies.thesis.goodness.choices import (
     Choice,
+    choice_of,
     first_bar,
-    judged,
     parameters,
     tendencies,
 )
@@ -68,7 +68,7 @@ Choices = Mapping[str, Sequence[Choice]]
 def thesis_choices(found: RoomSearch) -> list[Choice]:
     """Return what the sets that the thesis printed are worth in a room."""
     return [
-        judged(
+        choice_of(
             found,
             rule,
             sm.ParameterizedModel(

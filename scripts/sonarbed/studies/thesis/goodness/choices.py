@@ -17,9 +17,9 @@ __all__ = [
     "BINS",
     "Choice",
     "FirstBar",
+    "choice_of",
     "choices",
     "first_bar",
-    "judged",
     "mean_set",
     "parameters",
     "ranking",
@@ -92,7 +92,7 @@ def choices(found: RoomSearch) -> list[Choice]:
     """Return the sets that the thesis's rules and the true scores call the best in a room."""
     vsdns = found.mean("vsdns")
     average = mean_set([found.sets[i] for i in first_bar(vsdns).members])
-    chosen = [judged(found, "VSDNS, mean of the first bar", average)]
+    chosen = [choice_of(found, "VSDNS, mean of the first bar", average)]
     for rule, index in (
         ("VSDNS, lowest", np.argmin(vsdns)),
         ("VSDNS, nearest to the mean", np.argmin(np.abs(vsdns - vsdns.mean()))),
@@ -106,7 +106,7 @@ def choices(found: RoomSearch) -> list[Choice]:
     return chosen
 
 
-def judged(found: RoomSearch, rule: str, model: sm.ParameterizedModel) -> Choice:
+def choice_of(found: RoomSearch, rule: str, model: sm.ParameterizedModel) -> Choice:
     """Return what any set is worth in a searched room, also one that was not searched."""
     return _choice(found, rule, model, values_of((found.room, found.runs, (model,)))[0])
 

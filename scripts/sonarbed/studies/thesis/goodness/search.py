@@ -14,6 +14,7 @@ import sonarmap as sm
 import worlds
 from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drives import DriveSpec, DriveStore
+from sonarbed.reporting.parallel import in_parts
 
 __all__ = [
     "CELL_M",
@@ -117,29 +118,32 @@ def sets_of(*, quick: bool) -> tuple[sm.ParameterizedModel, ...]:
 
 def search(context: StudyContext) -> list[RoomSearch]:
     """Map the drives of every room by every set."""
-    sets, seeds = sets_of(quick=context.quick), context.seeds
-    specs = [spec for room in ROOMS for spec in context.specs(room)]
-    context.simulate_missing(specs, f"driving in {len(ROOMS)} rooms")
-    tasks_of_runs = [(context.drives, spec) for spec in specs]
-    runs = context.map(_run_of, tasks_of_runs, "looking for the cells to score")
-    by_room = {
-        room: tuple(runs[i * len(seeds) : (i + 1) * len(seeds)]) for i, room in enumerate(ROOMS)
-    }
+    sets, runs = sets_of(quick=context.quick), _runs(context)
     # The sets of one half-angle share the cells of their cones: they belong into one task.
     groups = [
         tuple(m for m in sets if m.p5_rad == angle)
         for angle in dict.fromkeys(m.p5_rad for m in sets)
     ]
-    tasks = [(room, by_room[room], group) for room in ROOMS for group in groups]
-    parts = context.map(values_of, tasks, f"searching {len(sets)} sets in {len(ROOMS)} rooms")
-    searches = []
-    for index, room in enumerate(ROOMS):
-        values = np.concatenate(parts[index * len(groups) : (index + 1) * len(groups)])
-        columns = {name: values[..., i] for i, name in enumerate(COLUMNS)}
-        searches.append(
-            RoomSearch(room, tuple(m for g in groups for m in g), columns, by_room[room])
-        )
-    return searches
+    tasks = [(room, runs[room], group) for room in ROOMS for group in groups]
+    values = context.map(values_of, tasks, f"searching {len(sets)} sets in {len(ROOMS)} rooms")
+    searched = tuple(m for group in groups for m in group)
+    return [
+        RoomSearch(room, searched, _columns(np.concatenate(of_room)), runs[room])
+        for room, of_room in in_parts(values, ROOMS).items()
+    ]
+
+
+def _runs(context: StudyContext) -> dict[str, tuple[Run, ...]]:
+    """Return the drives of every room, one a seed."""
+    specs = [spec for room in ROOMS for spec in context.specs(room)]
+    context.simulate_missing(specs, f"driving in {len(ROOMS)} rooms")
+    tasks = [(context.drives, spec) for spec in specs]
+    runs = context.map(_run_of, tasks, "looking for the cells to score")
+    return {room: tuple(of_room) for room, of_room in in_parts(runs, ROOMS).items()}
+
+
+def _columns(values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    return {name: values[..., index] for index, name in enumerate(COLUMNS)}
 
 
 def _run_of(task: tuple[DriveStore, DriveSpec]) -> Run:

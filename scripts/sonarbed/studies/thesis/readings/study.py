@@ -12,6 +12,7 @@ import sonarmap as sm
 import worlds
 from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
+from sonarbed.reporting.parallel import in_parts
 from sonarbed.reporting.section import Item
 from sonarbed.reporting.statistics import mean_of
 from sonarbed.reporting.wording import cause_name
@@ -63,10 +64,7 @@ def run(context: StudyContext) -> ThesisSection:
         for log in context.logs(context.specs(case.room))
     ]
     found = context.map(mended, tasks, "readings mended and spoiled")
-    drives = len(context.seeds)
-    rooms = {
-        case.room: found[index * drives : (index + 1) * drives] for index, case in enumerate(_CASES)
-    }
+    rooms = in_parts(found, [case.room for case in _CASES])
     items = (_shares(context, rooms), _places(context, rooms), _errors(context, rooms))
     answers = tuple(Answer(2, _sentence(room, drives)) for room, drives in rooms.items())
     return ThesisSection("readings", "HSR: readings mended and spoiled", items, answers)

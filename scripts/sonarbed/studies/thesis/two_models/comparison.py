@@ -143,13 +143,13 @@ def score_drive(task: tuple[DriveStore, DriveSpec]) -> list[tuple[ScoredMap, Sco
     return [(scored(pair.standard), scored(pair.parameterized)) for pair in PAIRS]
 
 
-def differences(judged: ScoredPairs, pair: int, name: str) -> Estimate:
+def differences(scored: ScoredPairs, pair: int, name: str) -> Estimate:
     """Return parameterised less standard of a score, paired by seed."""
     return mean_of(
-        [getattr(drive[pair][1], name) - getattr(drive[pair][0], name) for drive in judged]
+        [getattr(drive[pair][1], name) - getattr(drive[pair][0], name) for drive in scored]
     )
 
 
-def mean(judged: ScoredPairs, pair: int, model: int, name: str) -> Estimate:
+def mean(scored: ScoredPairs, pair: int, model: int, name: str) -> Estimate:
     """Return the mean of a score over the seeds; model 0 is the standard one."""
-    return mean_of([getattr(drive[pair][model], name) for drive in judged])
+    return mean_of([getattr(drive[pair][model], name) for drive in scored])

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import sonarmap as sm
 import worlds
 from sonarbed.reporting.context import StudyContext
+from sonarbed.reporting.parallel import in_parts
 from sonarbed.reporting.section import Item
 from sonarbed.reporting.wording import verdicts, word
 from sonarbed.studies.thesis.contradictions import contradictions
@@ -35,8 +36,7 @@ def run(context: StudyContext) -> ThesisSection:
     context.simulate_missing(specs, "driving in every room")
     tasks = [(context.drives, spec) for spec in specs]
     results = context.map(score_drive, tasks, "mapping every room with two models")
-    n = len(context.seeds)
-    found = {room: results[i * n : (i + 1) * n] for i, room in enumerate(rooms)}
+    found = in_parts(results, rooms)
     return ThesisSection(
         "two_models",
         "The two sensor models compared (figure 5.8)",
@@ -64,10 +64,10 @@ def _maps(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
             )
             examples.append(TitledMap(title, built))
     figure = draw_maps(drive.truth, drive.observable, examples)
-    judged = found[_EXAMPLE_ROOM]
+    scored = found[_EXAMPLE_ROOM]
     clauses = []
     for score_ in SCORES:
-        difference = differences(judged, 0, score_.name)
+        difference = differences(scored, 0, score_.name)
         clauses.append(
             f"{word(difference, score_.better)} by {score_.title} "
             f"({difference.text(3, score_.unit)})"
@@ -95,15 +95,15 @@ def _rooms(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
     tables = []
     for index, pair in enumerate(PAIRS):
         rows = []
-        for room, judged in found.items():
+        for room, scored in found.items():
             for score in SCORES:
-                difference = differences(judged, index, score.name)
+                difference = differences(scored, index, score.name)
                 rows.append(
                     (
                         room,
                         f"{score.title}, {score.unit}".rstrip(", "),
-                        mean(judged, index, 0, score.name).text(),
-                        mean(judged, index, 1, score.name).text(),
+                        mean(scored, index, 0, score.name).text(),
+                        mean(scored, index, 1, score.name).text(),
                         difference.text(),
                         word(difference, score.better),
                     )
@@ -119,7 +119,7 @@ def _rooms(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
         )
     by_score = {
         score.title: [
-            {room: differences(judged, index, score.name) for room, judged in found.items()}
+            {room: differences(scored, index, score.name) for room, scored in found.items()}
             for index in range(len(PAIRS))
         ]
         for score in SCORES
@@ -159,16 +159,16 @@ def _rooms(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
 def _why(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
     parts = [
         {
-            title: {room: differences(judged, index, name) for room, judged in found.items()}
+            title: {room: differences(scored, index, name) for room, scored in found.items()}
             for name, title in PARTS.items()
         }
         for index in range(len(PAIRS))
     ]
     rows = []
-    for room, judged in found.items():
+    for room, scored in found.items():
         for index, pair in enumerate(PAIRS):
             areas = [
-                mean(judged, index, model, name).text(2)
+                mean(scored, index, model, name).text(2)
                 for name in ("phantom_m2", "false_free_m2")
                 for model in (0, 1)
             ]
@@ -227,14 +227,14 @@ def _of_the_models() -> str:
     return f"By the equations alone, {'; '.join(clauses)}."
 
 
-def _example_areas(judged: ScoredPairs) -> str:
+def _example_areas(scored: ScoredPairs) -> str:
     clauses = []
     for index, pair in enumerate(PAIRS):
         phantom, missed = (
-            [mean(judged, index, model, name).value for model in (0, 1)]
+            [mean(scored, index, model, name).value for model in (0, 1)]
             for name in ("phantom_m2", "false_free_m2")
         )
-        whole = differences(judged, index, "map_score")
+        whole = differences(scored, index, "map_score")
         clauses.append(
             f"with P3 = {pair.tolerance_m:g} m a phantom area of {phantom[1]:.2f} against "
             f"{phantom[0]:.2f} m², walls mapped as free {missed[1]:.2f} against "
@@ -246,7 +246,7 @@ def _example_areas(judged: ScoredPairs) -> str:
 def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
     by_score = [
         {
-            score: {room: differences(judged, index, score.name) for room, judged in found.items()}
+            score: {room: differences(scored, index, score.name) for room, scored in found.items()}
             for score in SCORES
         }
         for index in range(len(PAIRS))
