@@ -122,10 +122,6 @@ class NearAndFar(BaseFeaturesExtractor):
         return torch.cat(as_they_are + near, dim=1)
 
 
-Act = Policy
-"""From the observations of many robots to their actions."""
-
-
 class Coach(BaseCallback):
     """Ends the training when its time is over, and judges the robot now and then.
 
@@ -137,7 +133,7 @@ class Coach(BaseCallback):
         From a policy to its share of successes.
     """
 
-    def __init__(self, seconds: float, judged: Callable[[Act], Share]) -> None:
+    def __init__(self, seconds: float, judged: Callable[[Policy], Share]) -> None:
         super().__init__()
         self._seconds, self._judge = seconds, judged
         self._begin_s = time.monotonic()
@@ -200,7 +196,7 @@ def make(robots: int, **arguments: Any) -> Any:
     )
 
 
-def learned(model: PPO) -> Act:
+def learned(model: PPO) -> Policy:
     """Return what a model does when it does not try out."""
     return lambda observations: model.predict(observations, deterministic=True)[0]
 
@@ -214,7 +210,7 @@ def straight_on(observations: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]
 
 
 def judge(
-    act_of: Callable[[Any], Act], room: str | Sequence[str], *, episodes: int, seed: int
+    act_of: Callable[[Any], Policy], room: str | Sequence[str], *, episodes: int, seed: int
 ) -> Share:
     """Return in how many episodes a policy reaches its goal; the seed decides start and goal.
 
@@ -248,7 +244,7 @@ def train(seconds: float, seed: int) -> tuple[PPO, list[dict[str, float]]]:
     # Returns near 1 are learned faster than those of a whole way.
     env = VecNormalize(watched, norm_obs=False, gamma=GAMMA)
 
-    def judged(act: Act) -> Share:
+    def judged(act: Policy) -> Share:
         return judge(lambda env: act, JUDGED_IN, episodes=CURVE_EPISODES, seed=CURVE_SEED)
 
     coach = Coach(seconds, judged)
@@ -310,7 +306,7 @@ def _label(axes: Axes, minutes: float) -> None:
     axes.legend(loc="best", fontsize=9, frameon=False)
 
 
-def film(act: Act, path: Path) -> int | None:
+def film(act: Policy, path: Path) -> int | None:
     """Film the first episode in an unseen room with a way worth seeing; return its seed.
 
     That is the first seed whose goal is at least `FILM_WAY_M` from the start and is reached; None
@@ -324,14 +320,14 @@ def film(act: Act, path: Path) -> int | None:
     return None
 
 
-def frames_of(act: Act, seed: int) -> list[NDArray[np.uint8]]:
+def frames_of(act: Policy, seed: int) -> list[NDArray[np.uint8]]:
     """Return what an episode looks like, every few steps."""
     frames: list[NDArray[np.uint8]] = []
     drive(act, seed, lambda env: frames.append(env.render()))
     return frames
 
 
-def drive(act: Act, seed: int, look: Callable[[Any], None]) -> bool:
+def drive(act: Policy, seed: int, look: Callable[[Any], None]) -> bool:
     """Drive an episode in an unseen room; return whether it is worth seeing.
 
     `look` is called with the environment at the begin, every few steps and in the end.
@@ -387,7 +383,7 @@ def main(
     with atomic_path(out / "model.zip") as beside:
         # The schedule holds the clock of this training.
         model.save(beside, exclude=["learning_rate", "lr_schedule"])
-    policies: dict[str, Callable[[Any], Act]] = {
+    policies: dict[str, Callable[[Any], Policy]] = {
         "random": lambda env: random_policy(env.action_space, np.random.default_rng(seed)),
         "straight to the goal": lambda env: straight_on,
         "PPO": lambda env: learned(model),
