@@ -38,8 +38,7 @@ from sim.envs import NavigateWeights, write_gif
 from sim.envs.policies.policies import Policy, random_policy
 from sim.envs.sb3 import SB3VecEnv
 from sonarbed.console import as_json, print_table, say
-from sonarbed.reporting.drawing import COLOURS, figure_with
-from sonarbed.reporting.pictures import save
+from sonarbed.reporting.drawing import COLOURS, figure_with, save
 from sonarmap import InputError
 from sonarmap.errors import positive
 from sonarmap.files import atomic_path, make_folder
@@ -62,7 +61,7 @@ CURVE_EPISODES, CURVE_EVERY_S = 100, 20.0
 # A film shows every fourth step, as fast as it was.
 FILM_EVERY, FILM_FPS, FILM_WAY_M = 4, 2.5, 4.0
 FILM_TRIES = 100
-# The range that Navigate tells as 1.
+# The range that Navigate reports as 1.
 GOAL_RANGE_M = 10.0
 # Twice the standard deviations between which a normal variable is with 95 % probability.
 Z = 1.959964
@@ -108,7 +107,7 @@ class NearAndFar(BaseFeaturesExtractor):
     """
 
     def __init__(self, space: Dict) -> None:
-        sizes = {name: math.prod(part.shape) for name, part in space.spaces.items()}
+        sizes = {name: math.prod(part.shape or ()) for name, part in space.spaces.items()}
         super().__init__(space, sum(sizes.values()) + sizes["range"] + 1)
         # The environment and the memory of the training do not name them in the same order.
         self._names = sorted(sizes)
@@ -123,10 +122,6 @@ class NearAndFar(BaseFeaturesExtractor):
         return torch.cat(as_they_are + near, dim=1)
 
 
-Act = Policy
-"""From the observations of many robots to their actions."""
-
-
 class Coach(BaseCallback):
     """Ends the training when its time is over, and judges the robot now and then.
 
@@ -138,7 +133,7 @@ class Coach(BaseCallback):
         From a policy to its share of successes.
     """
 
-    def __init__(self, seconds: float, judged: Callable[[Act], Share]) -> None:
+    def __init__(self, seconds: float, judged: Callable[[Policy], Share]) -> None:
         super().__init__()
         self._seconds, self._judge = seconds, judged
         self._begin_s = time.monotonic()
@@ -201,7 +196,7 @@ def make(robots: int, **arguments: Any) -> Any:
     )
 
 
-def learned(model: PPO) -> Act:
+def learned(model: PPO) -> Policy:
     """Return what a model does when it does not try out."""
     return lambda observations: model.predict(observations, deterministic=True)[0]
 
@@ -215,7 +210,7 @@ def straight_on(observations: Mapping[str, NDArray[Any]]) -> NDArray[np.float32]
 
 
 def judge(
-    act_of: Callable[[Any], Act], room: str | Sequence[str], *, episodes: int, seed: int
+    act_of: Callable[[Any], Policy], room: str | Sequence[str], *, episodes: int, seed: int
 ) -> Share:
     """Return in how many episodes a policy reaches its goal; the seed decides start and goal.
 
@@ -249,7 +244,7 @@ def train(seconds: float, seed: int) -> tuple[PPO, list[dict[str, float]]]:
     # Returns near 1 are learned faster than those of a whole way.
     env = VecNormalize(watched, norm_obs=False, gamma=GAMMA)
 
-    def judged(act: Act) -> Share:
+    def judged(act: Policy) -> Share:
         return judge(lambda env: act, JUDGED_IN, episodes=CURVE_EPISODES, seed=CURVE_SEED)
 
     coach = Coach(seconds, judged)
@@ -311,7 +306,7 @@ def _label(axes: Axes, minutes: float) -> None:
     axes.legend(loc="best", fontsize=9, frameon=False)
 
 
-def film(act: Act, path: Path) -> int | None:
+def film(act: Policy, path: Path) -> int | None:
     """Film the first episode in an unseen room with a way worth seeing; return its seed.
 
     That is the first seed whose goal is at least `FILM_WAY_M` from the start and is reached; None
@@ -320,14 +315,19 @@ def film(act: Act, path: Path) -> int | None:
     for seed in range(FILM_SEED, FILM_SEED + FILM_TRIES):
         # Frames cost more than driving: first without.
         if drive(act, seed, lambda env: None):
-            frames: list[NDArray[np.uint8]] = []
-            drive(act, seed, lambda env, frames=frames: frames.append(env.render()))
-            write_gif(frames, path, fps=FILM_FPS)
+            write_gif(frames_of(act, seed), path, fps=FILM_FPS)
             return seed
     return None
 
 
-def drive(act: Act, seed: int, look: Callable[[Any], None]) -> bool:
+def frames_of(act: Policy, seed: int) -> list[NDArray[np.uint8]]:
+    """Return what an episode looks like, every few steps."""
+    frames: list[NDArray[np.uint8]] = []
+    drive(act, seed, lambda env: frames.append(env.render()))
+    return frames
+
+
+def drive(act: Policy, seed: int, look: Callable[[Any], None]) -> bool:
     """Drive an episode in an unseen room; return whether it is worth seeing.
 
     `look` is called with the environment at the begin, every few steps and in the end.
@@ -383,7 +383,7 @@ def main(
     with atomic_path(out / "model.zip") as beside:
         # The schedule holds the clock of this training.
         model.save(beside, exclude=["learning_rate", "lr_schedule"])
-    policies: dict[str, Callable[[Any], Act]] = {
+    policies: dict[str, Callable[[Any], Policy]] = {
         "random": lambda env: random_policy(env.action_space, np.random.default_rng(seed)),
         "straight to the goal": lambda env: straight_on,
         "PPO": lambda env: learned(model),
@@ -399,7 +399,7 @@ def main(
     write_curve(curve, out / "curve.csv")
     draw_curve(curve, both["random"], out / "curve.png")
     film_seed = film(learned(model), out / "film.gif")
-    told = {
+    results = {
         "minutes": minutes,
         "seed": seed,
         "steps": model.num_timesteps,
@@ -410,7 +410,7 @@ def main(
         },
     }
     with atomic_path(out / "results.json") as beside:
-        beside.write_text(as_json(told) + "\n")
+        beside.write_text(as_json(results) + "\n")
     print_table(
         f"Episodes that reach the goal, {episodes} a room, after {model.num_timesteps:,} steps",
         ["policy", *JUDGED_IN, "both"],

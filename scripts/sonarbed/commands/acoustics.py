@@ -24,8 +24,8 @@ def acoustics(
     Example: sonarbed acoustics --quick --out acoustics
     """
     from sonarbed.console import progress, say
+    from sonarbed.reporting.context import StudyContext
     from sonarbed.reporting.report import write_report
-    from sonarbed.reporting.setting import Setting
     from sonarbed.studies.acoustics import PARTS, load
     from sonarmap.errors import InputError
 
@@ -34,7 +34,7 @@ def acoustics(
     with progress() as bars:
         overall = bars.add_task("parts", total=len(PARTS))
         current = bars.add_task("", total=1)
-        setting = Setting(
+        context = StudyContext(
             out,
             quick=quick,
             sonar="physical",
@@ -44,13 +44,13 @@ def acoustics(
                 current, description=label, completed=done, total=total
             ),
         )
-        setting.claim()
+        context.claim()
         sections = []
         for name in PARTS:
-            at_work = setting.on_study(name)
+            at_work = context.on_study(name)
             section = load(name)(at_work)
-            section.save(at_work.place)
+            section.save(at_work.study_folder)
             sections.append(section)
             bars.advance(overall)
-        html, markdown = write_report(setting, sections, page="acoustics")
+        html, markdown = write_report(context, sections, package="sonarbed.studies.acoustics")
     say(f"Page: {html}, {markdown}")

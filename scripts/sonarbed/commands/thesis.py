@@ -33,10 +33,10 @@ def thesis(
     """
     from sim.sonar.presets import preset
     from sonarbed.console import progress, say
-    from sonarbed.reporting.report import write_report
-    from sonarbed.reporting.section import Section
-    from sonarbed.reporting.setting import Setting
+    from sonarbed.reporting.context import StudyContext
     from sonarbed.studies.thesis import STUDIES, load
+    from sonarbed.studies.thesis.questions import ThesisSection
+    from sonarbed.studies.thesis.report import write_thesis_report
     from sonarmap.errors import InputError
 
     if jobs < 1:
@@ -47,21 +47,22 @@ def thesis(
     with progress() as bars:
         overall = bars.add_task("studies", total=len(runs))
         current = bars.add_task("", total=1)
-        setting = Setting(
+        context = StudyContext(
             out,
             quick=quick,
             sonar=sonar,
+            report="thesis",
             jobs=jobs,
             on_progress=lambda label, done, total: bars.update(
                 current, description=label, completed=done, total=total
             ),
         )
-        setting.claim()
+        context.claim()
         for name, run in runs.items():
-            at_work = setting.on_study(name)
-            if again or Section.load(at_work.place) is None:
-                run(at_work).save(at_work.place)
+            at_work = context.on_study(name)
+            if again or ThesisSection.load(at_work.study_folder) is None:
+                run(at_work).save(at_work.study_folder)
             bars.advance(overall)
-        done = [Section.load(setting.on_study(name).place) for name in STUDIES]
-        html, markdown = write_report(setting, [section for section in done if section])
+        done = [ThesisSection.load(context.on_study(name).study_folder) for name in STUDIES]
+        html, markdown = write_thesis_report(context, [section for section in done if section])
     say(f"Report: {html}, {markdown}")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.progress import TaskID
 
     from sonarbed.reporting.statistics import Estimate
-    from sonarbed.studies.tuning.judging import Judged
+    from sonarbed.studies.tuning.judging import RoomScores
 
 __all__ = ["tune"]
 
@@ -91,8 +91,8 @@ def tune(
     search = Search(settings, out, url, study_name, seed)
     judges = _rooms(judge)
     check_judges(search, judges)
-    results, picture = out / "tune.json", out / "tune.png"
-    for path in (results, picture):
+    results_file, picture = out / "tune.json", out / "tune.png"
+    for path in (results_file, picture):
         check_writable(path)
 
     with progress() as bars:
@@ -109,52 +109,55 @@ def tune(
             search, (*settings.train, *judges), candidates, jobs=jobs, on_progress=show
         )
     training, judged = everywhere.only(settings.train), everywhere.only(judges)
-    told = {
+    results: dict[str, Any] = {
         "settings": settings.to_dict(),
         "judge": judges,
         "seed": seed,
-        "study": {"storage": search.shown_storage, "name": study_name},
+        "study": {"storage": search.kept.shown_url, "name": study_name},
         "trials": len(found.trials),
         "best_trial": found.best.number,
         "parameters": {name: each.to_dict() for name, each in candidates.items()},
         "training": training.to_dict(),
         "judged": judged.to_dict(),
     }
-    with atomic_path(results) as beside:
-        beside.write_text(json_text(told), encoding="utf-8")
+    with atomic_path(results_file) as beside:
+        beside.write_text(json_text(results), encoding="utf-8")
     others = {name: mean for name, mean in training.mean.items() if name != BEST}
     draw_search(search, found.trials, found.best, others, picture)
     if as_json:
-        print_json(told)
+        print_json(results)
         return
     print_table(
         f"Best of {len(found.trials)} trials: {target}, {sampler}",
         ["parameter", *candidates],
-        _parameters(told["parameters"]),
+        _parameter_rows(results["parameters"]),
     )
     for title, result in (("Tuned on", training), ("Judged on", judged)):
         print_table(
             f"{title}: {score} (95 % over {seeds} seeds)",
             ["", *result.places],
-            _rows_of(result),
+            _score_rows(result),
         )
-    say(f"Written: {results}, {picture}; the study: {search.shown_storage}")
+    say(f"Written: {results_file}, {picture}; the study: {search.kept.shown_url}")
 
 
 def _rooms(text: str) -> tuple[str, ...]:
     return tuple(room.strip() for room in text.split(",") if room.strip())
 
 
-def _parameters(told: dict[str, dict[str, Any]]) -> list[list[str]]:
+def _parameter_rows(candidates: dict[str, dict[str, float]]) -> list[list[str]]:
     # In the order in which they first come: HSR's after those of the model.
-    names = dict.fromkeys(name for values in told.values() for name in values)
+    names = dict.fromkeys(name for values in candidates.values() for name in values)
     return [
-        [name, *(f"{values[name]:.4g}" if name in values else "-" for values in told.values())]
+        [
+            name,
+            *(f"{values[name]:.4g}" if name in values else "-" for values in candidates.values()),
+        ]
         for name in names
     ]
 
 
-def _rows_of(judged: Judged) -> list[list[str]]:
+def _score_rows(judged: RoomScores) -> list[list[str]]:
     best, *others = judged.scores
     return [
         *(

@@ -11,19 +11,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import sonarmap as sm
-from sonarbed.reporting.pictures import plan, save
+from sonarbed.reporting.drawing import COLOURS, save
+from sonarbed.reporting.pictures import plan
 from sonarmap.filters.hsr import EstimatedWalls, Mark, estimate_variant_walls
 
 __all__ = ["draw_hsr"]
 
-# Okabe and Ito's palette: told apart by colour-blind people too.
-_RIGHT, _WRONG, _MENDED, _STILL_WRONG, _UNKNOWN = (
-    "#009E73",
-    "#D55E00",
-    "#0072B2",
-    "#CC79A7",
-    "#555555",
-)
+_MENDED, _WRONG, _RIGHT, _STILL_WRONG = COLOURS[:4]
+_UNKNOWN = "#555555"
 _MARGIN_M = 0.2
 _POINT = 4
 # Inches: the width of a plan, and the height of titles, axis label and legend.
@@ -62,9 +57,9 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
         fontsize=13,
     )
     classes_before, classes_after = _classes(before, after, updated)
-    for axes, side, log, title, classes, es in (
-        (left, "left", before, "before", classes_before, walls[0]),
-        (right, "right", after, "after", classes_after, walls[1]),
+    for axes, log, title, classes, es in (
+        (left, before, "before", classes_before, walls[0]),
+        (right, after, "after", classes_after, walls[1]),
     ):
         _walls(axes, es)
         axes.plot(log.x_m, log.y_m, color="black", lw=0.8, label="path by odometry")
@@ -75,9 +70,11 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
         silent = int(np.isposinf(log.range_m).sum())
         axes.set_title(f"{title} ({silent} readings without echo: not drawn)", fontsize=11)
         plan(axes)
+        handles, labels = axes.get_legend_handles_labels()
         figure.legend(
-            *axes.get_legend_handles_labels(),
-            loc=f"outside lower {side}",
+            handles,
+            labels,
+            loc="outside lower left" if axes is left else "outside lower right",
             ncols=3,
             fontsize=9,
             markerscale=2.5,

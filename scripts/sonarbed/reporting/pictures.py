@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
-from sonarmap.files import atomic_path
+from sonarbed.reporting.drawing import save
+from sonarbed.reporting.wording import cause_name
 from worlds.colours import CAUSE_COLOURS, PATH_COLOUR, WALL_COLOUR
 
-__all__ = ["draw_demo", "draw_map", "draw_world", "plan", "save", "show_map"]
+__all__ = ["draw_demo", "draw_map", "draw_world", "plan", "show_map", "show_truth"]
 
 # Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
 # brown, absorbers violet and pink.
@@ -40,7 +41,8 @@ _MATERIAL_COLOURS = {
     "foam": "#CC79A7",
 }
 _SPARE_COLOURS = ("#F0E442", "#000000", "#1B4F72", "#A9DFBF")
-_DPI = 110
+# Free, occupied, hidden; then the same where nothing could be observed.
+_TRUTH_COLOURS = ListedColormap(["#FFFFFF", "#000000", "#9A9A9A", "#E8EEF4", "#B8C4D0", "#C8C8C8"])
 # A reading without an echo has no point: it is drawn as a stroke of this length on its axis.
 _SILENT_STROKE_M = 0.12
 
@@ -64,7 +66,6 @@ def draw_map(built: sm.OccupancyMap, log: sm.SonarLog, path: Path) -> None:
     left, right, bottom, top = built.grid.extent_m
     figure, axes = _plan_figure(right - left, top - bottom)
     show_map(axes, built)
-    plan(axes)
     axes.plot(log.x_m, log.y_m, color=PATH_COLOUR, lw=1.5, label="path by odometry")
     axes.plot(log.x_m[0], log.y_m[0], "o", color=PATH_COLOUR, ms=6, label="start")
     figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
@@ -103,11 +104,10 @@ def draw_demo(
 
     _table(panels["table"], ["", *maps], rows)
 
-    _truth(true, truth, observable)
+    show_truth(true, truth, observable)
     true.set_title("truth (light: never observable)")
     for axes, (name, built) in zip(mapped, maps.items(), strict=True):
         show_map(axes, built)
-        plan(axes)
         axes.set_title(name)
     figure.colorbar(mapped[-1].images[0], ax=mapped, shrink=0.8, label="P(occupied)")
 
@@ -116,12 +116,6 @@ def draw_demo(
         axes.set_xlim(left, right)
         axes.set_ylim(bottom, top)
     save(figure, path)
-
-
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure; an older file is replaced only when all is written."""
-    with atomic_path(path) as beside:
-        figure.savefig(beside, dpi=_DPI, format="png")
 
 
 def _plan_figure(width_m: float, height_m: float) -> tuple[Figure, Axes]:
@@ -155,7 +149,7 @@ def _legend_below(axes: Axes) -> None:
 def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None:
     """Draw the solids as filled outlines."""
     shades = _shades(world)
-    told: set[str] = set()
+    in_legend: set[str] = set()
     for solid in world.solids:
         name = solid.material.name
         axes.add_patch(
@@ -165,10 +159,10 @@ def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None
                 # In its own colour, or a thin board would be all black border.
                 edgecolor=shades[name] if by_material else WALL_COLOUR,
                 lw=1.0,
-                label=name if by_material and name not in told else None,
+                label=name if by_material and name not in in_legend else None,
             )
         )
-        told.add(name)
+        in_legend.add(name)
     x_min, y_min, x_max, y_max = world.bounds_m
     axes.set_xlim(x_min, x_max)
     axes.set_ylim(y_min, y_max)
@@ -210,7 +204,7 @@ def _points_by_cause(axes: Axes, log: sm.SonarLog) -> None:
         rows = truth.cause == cause
         if not rows.any():
             continue
-        label = f"{cause.name.lower().replace('_', ' ')} {rows.mean():.0%}"
+        label = f"{cause_name(cause)} {rows.mean():.0%}"
         chosen = seen_from.select(rows)
         axes.plot(*chosen.point_xy_m.T, ".", ms=2, color=colour, label=label)
         silent = chosen.select(np.isposinf(chosen.range_m))
@@ -220,18 +214,22 @@ def _points_by_cause(axes: Axes, log: sm.SonarLog) -> None:
         axes.add_collection(LineCollection(list(strokes), colors=colour, lw=0.3, alpha=0.5))
 
 
-def _truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -> None:
-    shown = truth.state.astype(float) + np.where(observable, 0, 3)
-    # free, occupied, hidden; then the same where nothing could be observed.
-    colours = ListedColormap(["#FFFFFF", "#000000", "#9A9A9A", "#E8EEF4", "#B8C4D0", "#C8C8C8"])
+def show_truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]) -> None:
+    """Show the true cells on axes that become a plan: lighter where nothing was observable."""
     axes.imshow(
-        shown, cmap=colours, vmin=-0.5, vmax=5.5, origin="lower", extent=truth.grid.extent_m
+        truth.state.astype(float) + np.where(observable, 0, 3),
+        cmap=_TRUTH_COLOURS,
+        vmin=-0.5,
+        vmax=5.5,
+        origin="lower",
+        extent=truth.grid.extent_m,
+        interpolation="nearest",
     )
     plan(axes)
 
 
 def show_map(axes: Axes, built: sm.OccupancyMap) -> None:
-    """Show P(occupied) in grey: black is occupied."""
+    """Show P(occupied) in grey on axes that become a plan: black is occupied."""
     axes.imshow(
         built.probability,
         cmap="Greys",
@@ -241,6 +239,7 @@ def show_map(axes: Axes, built: sm.OccupancyMap) -> None:
         extent=built.grid.extent_m,
         interpolation="nearest",
     )
+    plan(axes)
 
 
 def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

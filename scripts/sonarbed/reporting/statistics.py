@@ -17,7 +17,7 @@ LEVEL = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number with its 95 % interval; the interval is NaN when it cannot be told."""
+    """A number with its 95 % interval; the interval is NaN when there is none."""
 
     value: float
     low: float

@@ -1,14 +1,20 @@
-"""Clauses that follow the numbers: what an interval decides, in words."""
+"""Words and clauses: what causes are called, and what an interval decides."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
 from sonarbed.reporting.statistics import Estimate
+from sonarmap import Cause
 
-__all__ = ["verdicts", "word"]
+__all__ = ["cause_name", "verdicts", "word"]
 
 _WORDS = ("better", "worse", "undecided")
+
+
+def cause_name(cause: Cause) -> str:
+    """Return a cause's name for people."""
+    return cause.name.lower().replace("_", " ")
 
 
 def word(difference: Estimate, better: int) -> str:

@@ -1,4 +1,4 @@
-"""`sonarbed tune`: searches that resume, judge fairly, and refuse what does not belong."""
+"""`sonarbed tune`: interrupted, resumed, judged by hand, and what it refuses."""
 
 import json
 import os
@@ -9,13 +9,13 @@ import subprocess
 import sys
 import time
 from contextlib import closing, suppress
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import optuna
 import pytest
 from PIL import Image
+from searches import ignore, make_drives, path_of, search_in
 from support import make_log
 
 import sim
@@ -23,36 +23,20 @@ import sonarmap as sm
 import worlds
 from sonarbed.cli import main
 from sonarbed.studies.tuning import search as searching
-from sonarbed.studies.tuning import settings as settings_module
-from sonarbed.studies.tuning.drives import Drive, DriveName, load_drives
-from sonarbed.studies.tuning.judging import Judged
-from sonarbed.studies.tuning.search import Search, find
-from sonarbed.studies.tuning.settings import TuneSettings
-from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
+from sonarbed.studies.tuning import storage
+from sonarbed.studies.tuning.scoring import score_candidate
+from sonarbed.studies.tuning.search import find
 from sonarmap.errors import InputError
-from sonarmap.goodness import thesis_parameter_sets
 
 pytestmark = pytest.mark.engine
 
-SMALL = TuneSettings(
-    target="model",
-    model="parameterized",
-    sampler="tpe",
-    score="map_score",
-    train=("thesis-exp1",),
-    seeds=2,
-    scans=6,
-)
 OPTIONS = "--train thesis-exp1 --judge l-shape --seeds 2 --scans 6 --jobs 1"
 
 
 @pytest.fixture(scope="module")
 def drives(tmp_path_factory):
     """The folder of the drives of `SMALL`, simulated once."""
-    folder = tmp_path_factory.mktemp("drives")
-    search = search_in(folder)
-    find(search, judges=["l-shape"], trials=1, on_progress=ignore)
-    return search.logs
+    return make_drives(tmp_path_factory.mktemp("drives"))
 
 
 @pytest.fixture
@@ -62,95 +46,17 @@ def folder(drives, tmp_path):
     return tmp_path / "out"
 
 
-def search_in(folder, seed=0, **changes):
-    url = f"sqlite:///{folder}/study.db"
-    return Search(replace(SMALL, **changes), folder, url, seed=seed)
-
-
-def ignore(label, done, total):
-    pass
-
-
-def points(found):
-    return [(trial.candidate, trial.score) for trial in found.trials]
-
-
-# The space.
-
-
-def test_the_grid_is_the_thesis_own():
-    models = [candidate(point, "parameterized").model for point in thesis_points()]
-    assert models == list(thesis_parameter_sets())
-
-
-@pytest.mark.parametrize("model", ["parameterized", "standard"])
-@pytest.mark.parametrize("target", ["model", "hsr", "both"])
-def test_every_corner_of_the_box_is_a_candidate(target, model, rng):
-    box = ranges(target, model)
-    for _ in range(200):
-        corner = {name: float(rng.choice(ends)) for name, ends in box.items()}
-        tried = candidate(corner, model)
-        assert (tried.hsr is None) == (target == "model")
-        told = tried.to_dict()
-        if tried.hsr is not None:
-            assert told["max_wall_m"] >= told["min_wall_m"] == corner["min_wall_m"]
-        if model == "parameterized":
-            assert told["p1"] == pytest.approx(1 - told["p4"])
-
-
-def test_what_is_not_searched_is_the_thesis_own():
-    hsr = {name: low for name, (low, _) in ranges("hsr", "standard").items()}
-    assert candidate(hsr, "standard").model == sm.StandardModel.thesis()
-    assert candidate(hsr, "parameterized").model == sm.ParameterizedModel.thesis()
-
-
-def test_hsr_is_idle_where_no_reading_vouches(drives):
-    (drive,) = load_drives(drives, (DriveName("thesis-exp1", "thesis", 6, 0),))
-    model = sm.ParameterizedModel.thesis()
-    idle = Candidate(model, sm.HsrParams(0.02, 0.15, 0.001, 0.06))
-    assert drive.score(idle, "brier", None) == drive.score(Candidate(model), "brier", None)
-    busy = Candidate(model, sm.HsrParams.thesis())
-    assert drive.score(busy, "brier", None) != drive.score(Candidate(model), "brier", None)
-
-
-# The search.
-
-
-@pytest.mark.parametrize("sampler", ["tpe", "nsga2", "grid"])
-def test_an_interrupted_search_ends_as_one_that_was_not(folder, sampler, monkeypatch):
-    monkeypatch.setattr(searching, "_POPULATION", 4)  # so that NSGA-II breeds in so few trials
-    search = search_in(folder, sampler=sampler)
-
-    def stop_at_four(label, done, total):
-        if (label, done) == ("trials", 4):
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        find(search, trials=12, on_progress=stop_at_four)
-    first = find(search, trials=4, on_progress=ignore)  # nothing is left to do
-    assert len(first.trials) == 4
-    resumed = find(search, trials=12, on_progress=ignore)
-    assert len(resumed.trials) == 12
-    assert points(resumed)[:4] == points(first)
-    # Children of NSGA-II may repeat a parent; nothing else repeats.
-    assert len(set(points(resumed))) >= (9 if sampler == "nsga2" else 12)
-    assert resumed.best.score == max(trial.score for trial in resumed.trials)
-
-    whole = find(replace(search, study_name="whole"), trials=12, on_progress=ignore)
-    assert points(whole) == points(resumed)
-
-
 def test_ctrl_c_in_a_trial_keeps_the_finished_ones(folder, capsys, monkeypatch):
-    score, calls = Drive.score, []
+    calls = []
 
-    def interrupted(self, *arguments):
+    def interrupted(*arguments):
         calls.append(arguments)
         if len(calls) == 6:  # the second drive of the third trial
             raise KeyboardInterrupt
-        return score(self, *arguments)
+        return score_candidate(*arguments)
 
     line = f"tune --out {folder} {OPTIONS} --trials 5"
-    monkeypatch.setattr(Drive, "score", interrupted)
+    monkeypatch.setattr(searching, "score_candidate", interrupted)
     assert main(line.split()) == 130
     assert capsys.readouterr().err == "sonarbed: interrupted; what was finished is kept\n"
     assert not (folder / "tune.json").exists()
@@ -158,21 +64,12 @@ def test_ctrl_c_in_a_trial_keeps_the_finished_ones(folder, capsys, monkeypatch):
     states = [trial.state.name for trial in kept]
     assert states == ["COMPLETE", "COMPLETE", "FAIL"]
 
-    monkeypatch.setattr(Drive, "score", score)
+    monkeypatch.setattr(searching, "score_candidate", score_candidate)
     assert main(line.split()) == 0
     again = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
     assert [trial.values for trial in again[:2]] == [trial.values for trial in kept[:2]]
     assert sum(trial.state.name == "COMPLETE" for trial in again) == 5
     assert json.loads((folder / "tune.json").read_text())["trials"] == 5
-
-
-def test_the_seed_decides(folder):
-    def of(name, seed):
-        search = replace(search_in(folder, seed=seed), study_name=name)
-        return points(find(search, trials=4, on_progress=ignore))
-
-    assert of("a", 3) == of("b", 3)
-    assert of("c", 4) != of("a", 3)
 
 
 def test_ctrl_c_reaches_every_process(folder):
@@ -208,41 +105,6 @@ def test_ctrl_c_reaches_every_process(folder):
     kept = optuna.load_study(study_name="tune", storage=search.storage).trials
     assert {trial.state.name for trial in kept} == {"COMPLETE"}
     assert len(find(search, trials=len(kept) + 1, on_progress=ignore).trials) == len(kept) + 1
-
-
-@pytest.mark.parametrize("sampler", ["nsga2", "tpe", "cmaes"])
-def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
-    monkeypatch.setattr(searching, "_POPULATION", 3)
-    search = search_in(folder, sampler=sampler, target="both")
-    found = find(search, trials=8, on_progress=ignore)
-    assert len(set(points(found))) == 8
-    (drive,) = load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 1),))
-    best = found.best
-    again = [
-        each.score(best.candidate, "map_score", None)
-        for each in (*load_drives(search.logs, (DriveName("thesis-exp1", "thesis", 6, 0),)), drive)
-    ]
-    assert best.score == pytest.approx(np.mean(again), abs=1e-12)
-
-
-@pytest.mark.parametrize(("score", "pick"), [("brier", min), ("f1_10_cm", max)])
-def test_the_best_is_the_best_of_its_score(folder, score, pick):
-    found = find(search_in(folder, score=score), trials=4, on_progress=ignore)
-    assert found.best.score == pick(trial.score for trial in found.trials)
-
-
-def test_two_processes_never_make_a_set_of_the_grid_twice(folder):
-    search = search_in(folder, sampler="grid")
-    seen = []
-    found = find(search, trials=6, jobs=2, on_progress=lambda *told: seen.append(told))
-    assert seen[-1] == ("trials", 6, 6)
-    found = find(search, trials=9, on_progress=ignore)
-    models = [trial.candidate.model for trial in found.trials]
-    assert len(set(models)) == len(models) == 9
-    assert set(models) <= set(thesis_parameter_sets())
-
-
-# The command.
 
 
 def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
@@ -285,17 +147,6 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     assert f"{judged['best_minus']['no HSR']['mean']:.3f}±" in table
 
 
-def test_all_rooms_are_a_mean_of_means_with_an_interval_over_seeds():
-    scores = {"best": np.array([[1.0, 3.0], [5.0, 5.0]]), "thesis": np.zeros((2, 2))}
-    judged = Judged(("a", "b"), scores)
-    assert judged.places == ("a", "b", "all rooms")
-    both = judged.score("best", "all rooms")
-    # Seeds have 3 and 4; Student's t for two of them is 12.706.
-    assert (both.value, both.high - both.value) == pytest.approx((3.5, 12.706 * 0.5), rel=1e-3)
-    assert judged.gain("thesis", "a").value == 2
-    assert judged.only(["b"]).mean == {"best": 5.0, "thesis": 0.0}
-
-
 # What is refused.
 
 
@@ -321,50 +172,33 @@ def test_a_study_of_other_settings_is_refused(folder, options, complaint, refuse
     assert len(find(search_in(folder), trials=1, on_progress=ignore).trials) == 1
 
 
-def test_a_study_of_another_version_is_refused(folder, monkeypatch):
-    find(search_in(folder), trials=1, on_progress=ignore)
-    monkeypatch.setattr(settings_module, "FORMAT_VERSION", 2)
-    with pytest.raises(InputError, match="was made with format 1, asked for 2: choose another"):
-        find(search_in(folder), trials=1, on_progress=ignore)
-
-
-def test_a_study_of_somebody_else_is_refused(folder):
-    search = search_in(folder)
-    study = optuna.create_study(storage=search.storage, study_name="tune")
-    study.ask()
-    with pytest.raises(InputError, match="was not made by sonarbed"):
-        find(search, trials=1, on_progress=ignore)
-
-
 def test_a_drive_without_truth_is_refused(folder, refused):
-    path = folder / "logs" / "thesis-exp1-thesis-6-0000.parquet"
+    path = path_of(folder, seed=0)
     sm.read_log(path).replace(truth=None).write(path)
     assert f"{path}: the log has no truth" in refused(f"tune --out {folder} {OPTIONS} --trials 1")
 
 
 def test_another_drive_by_the_same_name_is_refused(folder, refused):
-    logs = folder / "logs"
-    shutil.copy(
-        logs / "thesis-exp1-thesis-6-0000.parquet", logs / "thesis-exp1-thesis-6-0001.parquet"
-    )
+    other = path_of(folder, seed=1)
+    shutil.copy(path_of(folder, seed=0), other)
     complaint = refused(f"tune --out {folder} {OPTIONS} --trials 1")
-    assert "thesis-exp1-thesis-6-0001.parquet: must be the drive" in complaint
+    assert f"{other}: must be the drive" in complaint
     assert complaint.endswith("remove it, and it is made again")
 
 
 def test_a_full_disk_is_one_line_and_keeps_the_finished_trials(folder, refused, monkeypatch):
     find(search_in(folder), trials=2, on_progress=ignore)
-    prepared = searching._write_ahead
+    prepared = storage._write_ahead
 
     def small(connection, record):
         prepared(connection, record)
         connection.execute("PRAGMA max_page_count = 1")  # SQLite takes what there is
 
-    monkeypatch.setattr(searching, "_write_ahead", small)
+    monkeypatch.setattr(storage, "_write_ahead", small)
     complaint = refused(f"tune --out {folder} {OPTIONS} --trials 400")
     assert complaint.startswith("storage sqlite:////")
     assert complaint.endswith("cannot be used: database or disk is full")
-    monkeypatch.setattr(searching, "_write_ahead", prepared)
+    monkeypatch.setattr(storage, "_write_ahead", prepared)
     assert len(find(search_in(folder), trials=2, on_progress=ignore).trials) >= 2
 
 

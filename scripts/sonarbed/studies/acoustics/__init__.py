@@ -1,6 +1,6 @@
 """The parts of the page on acoustics: each draws what the sonars do beside theory.
 
-A part is a module with a function ``run(setting) -> Section``, as a study of the thesis report.
+A part is a module with a function ``run(context) -> Section``, as a study of the thesis report.
 """
 
 from __future__ import annotations
@@ -10,16 +10,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sonarbed.reporting.context import StudyContext
     from sonarbed.reporting.section import Section
-    from sonarbed.reporting.setting import Setting
 
 __all__ = ["PARTS", "load"]
 
-# In the order of the page; each is a module of this package.
+# In the order of the page; each is a module or a folder of this package.
 PARTS = ("beam", "regions", "dropout", "ghost", "crosstalk", "causes", "reality")
 
 
-def load(name: str) -> Callable[[Setting], Section]:
+def load(name: str) -> Callable[[StudyContext], Section]:
     """Return the function that makes the part called `name`."""
-    run: Callable[[Setting], Section] = import_module(f"sonarbed.studies.acoustics.{name}").run
+    run: Callable[[StudyContext], Section] = import_module(f"sonarbed.studies.acoustics.{name}").run
     return run

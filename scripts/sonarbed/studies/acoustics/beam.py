@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 
 from sim import PhysicalSonar, Piston
 from sonarbed.reporting.bench import board, echoes, scene
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
 from sonarbed.studies.acoustics.theory import GLASS, LOSS_DB, physical, sharp
 
 __all__ = ["first_null_rad", "half_angle_rad", "run"]
@@ -21,9 +21,9 @@ __all__ = ["first_null_rad", "half_angle_rad", "run"]
 _LOUD_DB = 70.0  # all lobes that are drawn stand above the threshold
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Draw the beam and measure it with a large pane of glass."""
-    return Section("beam", "The beam", (_beam(setting),))
+    return Section("beam", "The beam", (_beam(context),))
 
 
 def half_angle_rad(piston: Piston, drop_db: float) -> float:
@@ -38,12 +38,12 @@ def first_null_rad(piston: Piston) -> float:
     return float(angle[1:-1][(level[1:-1] <= level[:-2]) & (level[1:-1] < level[2:])][0])
 
 
-def _beam(setting: Setting) -> Item:
-    sonar = physical(setting.sonar)
+def _beam(context: StudyContext) -> Item:
+    sonar = physical(context.sonar)
     piston = sonar.piston
     angle_deg = np.arange(0, 60.01, 0.05)
     one_way_db = piston.level_db(np.radians(angle_deg))
-    tilt_deg = np.arange(0, 60.01, 2.0 if setting.quick else 1.0)
+    tilt_deg = np.arange(0, 60.01, 2.0 if context.quick else 1.0)
     measured_db = _measured_db(sonar, np.radians(tilt_deg))
     theory_db = 2 * piston.level_db(np.radians(tilt_deg))
     heard = np.isfinite(measured_db)
@@ -67,7 +67,7 @@ def _beam(setting: Setting) -> Item:
     axes.set(xlim=(0, 60), ylim=(-72, 2), xlabel="angle off the axis, degrees",
              ylabel="level against the axis, dB")  # fmt: skip
     axes.legend(loc="upper right")
-    table = setting.table(
+    table = context.table(
         "beam",
         ("angle, degrees", "one way, dB", "there and back, dB", "simulated echo, dB"),
         [
@@ -85,7 +85,7 @@ def _beam(setting: Setting) -> Item:
         f"0.61 λ/a gives {math.degrees(rule):.2f}. Simulated echoes agree with the pattern there "
         f"and back within {max(deviation_db, 0.001):.3f} dB down to -60 dB.",
         (
-            setting.figure(
+            context.figure(
                 "beam", figure, "The beam of the transducer, and echoes of a tilted pane"
             ),
         ),

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from sim.sonar.presets import PRESETS
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import figure_with
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
-from sonarbed.studies.acoustics.driving import Drive, cause_name, drive
+from sonarbed.reporting.wording import cause_name
+from sonarbed.studies.acoustics.driving import timed_drive
 from sonarmap import Cause
 from worlds.colours import CAUSE_COLOURS
 
@@ -18,19 +19,19 @@ ROOMS = ("thesis-exp1", "corridor", "office", "clutter")
 SECONDS = (40.0, 12.0)
 """How long a drive is in the full page and in a quick one."""
 # Room for a share's number in its bar.
-_WORTH_TELLING = 0.06
+_WORTH_A_NUMBER = 0.06
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Drive in each room with each sonar."""
-    return Section("causes", "Causes of readings", (_causes(setting),))
+    return Section("causes", "Causes of readings", (_causes(context),))
 
 
-def _causes(setting: Setting) -> Item:
-    seconds = SECONDS[setting.quick]
+def _causes(context: StudyContext) -> Item:
+    seconds = SECONDS[context.quick]
     keys = [(room, name) for room in ROOMS for name in PRESETS]
-    tasks = [Drive(room, PRESETS[name], seconds) for room, name in keys]
-    logs = setting.map(drive, tasks, "driving with each sonar")
+    specs = [timed_drive(room, PRESETS[name], seconds) for room, name in keys]
+    logs = context.logs(specs, "driving with each sonar")
     shares = {
         key: np.bincount(log.require_truth("counting causes").cause, minlength=len(Cause))
         / len(log)
@@ -44,7 +45,7 @@ def _causes(setting: Setting) -> Item:
             axes.bar(list(PRESETS), height, bottom=bottom, color=CAUSE_COLOURS[cause], width=0.75,
                      label=cause_name(cause), ec="white", lw=0.5)  # fmt: skip
             for place, (h, b) in enumerate(zip(height, bottom, strict=True)):
-                if h >= _WORTH_TELLING:
+                if h >= _WORTH_A_NUMBER:
                     dark = cause in (Cause.DIRECT, Cause.DROPOUT)
                     axes.text(place, b + h / 2, f"{h:.0%}", ha="center", va="center", fontsize=8,
                               color="white" if dark else "black")  # fmt: skip
@@ -59,7 +60,7 @@ def _causes(setting: Setting) -> Item:
         key: sum(share[cause] for cause in Cause if not cause.is_right)
         for key, share in shares.items()
     }
-    told = "; ".join(
+    wrong_by_room = "; ".join(
         f"{room}: " + ", ".join(f"{name} {wrong[room, name]:.0%}" for name in PRESETS)
         for room in ROOMS
     )
@@ -67,10 +68,10 @@ def _causes(setting: Setting) -> Item:
         "Causes by room and preset",
         "A reading is right when it tells the surface on the axis, one nearer in the cone, or that "
         "there is none in range; wrong over a bounce, by another's sound, or lost.",
-        f"Wrong readings in drives of {seconds:g} s: {told}.",
-        (setting.figure("causes", figure, f"Causes of the readings in drives of {seconds:g} s"),),
+        f"Wrong readings in drives of {seconds:g} s: {wrong_by_room}.",
+        (context.figure("causes", figure, f"Causes of the readings in drives of {seconds:g} s"),),
         (
-            setting.table(
+            context.table(
                 "causes",
                 ("room", "preset", "readings", *(cause_name(cause) for cause in Cause)),
                 [

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim import AllAtOnce, Eeruf, Firing, InTurn
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
-from sonarbed.studies.acoustics.driving import Drive, drive
+from sonarbed.studies.acoustics.driving import timed_drive
 from sonarbed.studies.acoustics.theory import physical
 from sonarmap import Cause, SonarLog, eeruf_accepts
 from worlds.colours import CAUSE_COLOURS
@@ -28,17 +28,19 @@ SECONDS = (30.0, 10.0)
 _SHOWN_ROOM, _SHOWN_SONAR = "office", 2
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Drive with three ways of firing."""
-    return Section("crosstalk", "Cross-talk", (_schemes(setting),))
+    return Section("crosstalk", "Cross-talk", (_schemes(context),))
 
 
-def _schemes(setting: Setting) -> Item:
-    sonar = physical(setting.sonar)
-    seconds = SECONDS[setting.quick]
+def _schemes(context: StudyContext) -> Item:
+    sonar = physical(context.sonar)
+    seconds = SECONDS[context.quick]
     keys = [(room, scheme) for room in _ROOMS for scheme in SCHEMES]
-    tasks = [Drive(room, sonar.replace(firing=SCHEMES[scheme]), seconds) for room, scheme in keys]
-    logs = dict(zip(keys, setting.map(drive, tasks, "driving with three firings"), strict=True))
+    specs = [
+        timed_drive(room, sonar.replace(firing=SCHEMES[scheme]), seconds) for room, scheme in keys
+    ]
+    logs = dict(zip(keys, context.logs(specs, "driving with three firings"), strict=True))
     rows = []
     for (room, scheme), log in logs.items():
         cross, right = _is(log)
@@ -52,14 +54,14 @@ def _schemes(setting: Setting) -> Item:
         log = logs[_SHOWN_ROOM, scheme]
         cross, right = _is(log)
         mine = log.sonar == _SHOWN_SONAR
-        told = np.isfinite(log.range_m)
+        heard = np.isfinite(log.range_m)
         kinds = (
             ("right", right, COLOURS[0], "."),
             ("other errors", ~right & ~cross, CAUSE_COLOURS[Cause.BOUNCE], "x"),
             ("cross-talk", cross, CAUSE_COLOURS[Cause.CROSSTALK], "v"),
         )
         for label, chosen, colour, marker in kinds:
-            rows_of = mine & told & chosen
+            rows_of = mine & heard & chosen
             axes.plot(log.time_s[rows_of], log.range_m[rows_of], marker, color=colour, ms=4,
                       ls="none", label=label)  # fmt: skip
         axes.set_title(f"{scheme}: {cross[mine].mean():.0%} cross-talk", fontsize=10)
@@ -68,7 +70,7 @@ def _schemes(setting: Setting) -> Item:
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3)
     shares = {scheme: [_is(logs[room, scheme])[0].mean() for room in _ROOMS] for scheme in SCHEMES}
-    told_shares = "; ".join(
+    by_scheme = "; ".join(
         f"{scheme}: {min(values):.0%}"
         + (f" to {max(values):.0%}" if max(values) > min(values) else "")
         for scheme, values in shares.items()
@@ -83,18 +85,18 @@ def _schemes(setting: Setting) -> Item:
         "Fired at once, a sonar takes its neighbour's sound for its own echo; fired one every "
         "40 ms it hears another's only by a way of more than 13.7 m; EERUF lets neighbours' sounds "
         "arrive at changing times, so that a comparison with the reading before rejects them.",
-        f"Share of cross-talk in {len(_ROOMS)} rooms, {seconds:g} s each: {told_shares}. EERUF's "
+        f"Share of cross-talk in {len(_ROOMS)} rooms, {seconds:g} s each: {by_scheme}. EERUF's "
         f"test rejects {_share(~kept[cross]):.0%} of its cross-talk and keeps "
         f"{_share(kept[right]):.0%} of the right readings.",
         (
-            setting.figure(
+            context.figure(
                 "schemes",
                 figure,
                 f"Readings of sonar {_SHOWN_SONAR} in {_SHOWN_ROOM}; no echo is not drawn",
             ),
         ),
         (
-            setting.table(
+            context.table(
                 "schemes",
                 (
                     "room",

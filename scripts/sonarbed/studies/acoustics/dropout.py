@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from sim import PhysicalSonar
 from sonarbed.reporting.bench import board, echoes, scene
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
 from sonarbed.studies.acoustics.theory import heard_spans_rad, physical, plane_over_db
 from worlds import MATERIALS, Material
 
@@ -41,9 +41,9 @@ PERFECT = Material("perfect mirror", math.radians(10), 1.0, 0.0, diffuse_floor_d
 """What the rule of 42 degrees is about: the last lobe stands 0.1 dB above the threshold."""
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Turn a sonar before walls of all materials."""
-    return Section("dropout", "Dropout against incidence", (_materials(setting), _lobes(setting)))
+    return Section("dropout", "Dropout against incidence", (_materials(context), _lobes(context)))
 
 
 def answers(
@@ -87,8 +87,8 @@ def dead_bands_deg(
     ]
 
 
-def _step_deg(setting: Setting) -> float:
-    return 1.0 if setting.quick else 0.25
+def _step_deg(context: StudyContext) -> float:
+    return 1.0 if context.quick else 0.25
 
 
 def _strips(
@@ -110,9 +110,9 @@ def _strips(
     axes.set_xticks(range(0, int(incidence_deg[-1]) + 1, 15))
 
 
-def _materials(setting: Setting) -> Item:
-    sonar = physical(setting.sonar)
-    incidence_deg = np.arange(0, _WIDEST_DEG + 0.01, _step_deg(setting))
+def _materials(context: StudyContext) -> Item:
+    sonar = physical(context.sonar)
+    incidence_deg = np.arange(0, _WIDEST_DEG + 0.01, _step_deg(context))
     incidence = np.radians(incidence_deg)
     figure, panels = figure_with(5, 3, width=3.9, height=1.75, sharex=True, sharey=True)
     rows, widest = [], {}
@@ -142,18 +142,19 @@ def _materials(setting: Setting) -> Item:
     handles = [Patch(color=c, label=name) for c, name in zip(_COLOURS, _LABELS, strict=True)]
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     ranked = sorted(widest, key=widest.__getitem__)
-    told = heard_spans_rad(sonar, plane_over_db(sonar, 2.0) - 0.2)[-1][1]
+    theory_rad = heard_spans_rad(sonar, plane_over_db(sonar, 2.0) - 0.2)[-1][1]
     return Item(
         "Every material at 0.5, 1, 2 and 3 m",
         "A wall answers while the beam at its normal stands above the threshold, in lobes with "
         "dead bands between them; a rough one also by what it scatters. The angle follows from "
-        f"beam and level: for glass at 2 m the last lobe ends at {math.degrees(told):.1f} degrees.",
+        f"beam and level: for glass at 2 m the last lobe ends at {math.degrees(theory_rad):.1f} "
+        "degrees.",
         f"At 2 m the widest incidence that still answers runs from {widest[ranked[0]]:.1f} degrees "
         f"({ranked[0]}) over {widest['glass']:.1f} (glass) and {widest['drywall']:.1f} (drywall) "
         f"to {widest[ranked[-1]]:.1f} ({ranked[-1]}).",
-        (setting.figure("materials", figure, "What comes back against incidence, by material"),),
+        (context.figure("materials", figure, "What comes back against incidence, by material"),),
         (
-            setting.table(
+            context.table(
                 "materials",
                 (
                     "material",
@@ -174,9 +175,9 @@ def _last_deg(incidence_deg: NDArray[np.float64], answer: NDArray[np.int64]) -> 
     return float(incidence_deg[heard[-1]]) if heard.size else math.nan
 
 
-def _lobes(setting: Setting) -> Item:
-    preset = physical(setting.sonar)
-    incidence_deg = np.arange(0, 60.01, _step_deg(setting))
+def _lobes(context: StudyContext) -> Item:
+    preset = physical(context.sonar)
+    incidence_deg = np.arange(0, 60.01, _step_deg(context))
     ranges_db = (20.0, 30.0, 36.0, 40.0, preset.receiver.dynamic_range_db, _LOUD_DB)
     answer, rows = [], []
     for range_db in sorted(set(ranges_db)):
@@ -207,12 +208,12 @@ def _lobes(setting: Setting) -> Item:
         f"With {rows[-1][0]} dB the last lobe ends at {rows[-1][1]} degrees (theory "
         f"{rows[-1][2]}); dead bands, degrees: {rows[-1][3]}.",
         (
-            setting.figure(
+            context.figure(
                 "lobes", figure, "A perfect mirror at 2 m; the gain takes back all loss by distance"
             ),
         ),
         (
-            setting.table(
+            context.table(
                 "lobes",
                 ("dynamic range, dB", "last answer, degrees", "theory", "dead bands, degrees"),
                 rows,

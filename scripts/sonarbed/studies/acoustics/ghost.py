@@ -13,9 +13,9 @@ from shapely.affinity import rotate
 
 from sim import PhysicalSonar
 from sonarbed.reporting.bench import echoes, scene
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
 from sonarbed.studies.acoustics.theory import GLASS, as_deviation, as_range, physical, sharp
 from worlds import Solid, World
 
@@ -102,13 +102,13 @@ class Corridor:
         return float(heard.range_m[0]), int(heard.bounces[0])
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Let a sonar look at a mirroring wall in a corridor."""
-    return Section("ghost", "Ghosts over mirrors", (_ghosts(setting),))
+    return Section("ghost", "Ghosts over mirrors", (_ghosts(context),))
 
 
-def _ghosts(setting: Setting) -> Item:
-    sonar = physical(setting.sonar)
+def _ghosts(context: StudyContext) -> Item:
+    sonar = physical(context.sonar)
     rows, off_m = [], []
     for mirrors in (1, 2):
         for slant_deg in _SLANTS_DEG:
@@ -144,12 +144,12 @@ def _ghosts(setting: Setting) -> Item:
         f"pulse length and noise; where the image is farther than {sonar.ring.range_max_m:g} m "
         "there is no echo.",
         (
-            setting.figure(
+            context.figure(
                 "ghost", _picture(drawn, read_m), "The way of the sound and what is read"
             ),
         ),
         (
-            setting.table(
+            context.table(
                 "ghosts",
                 (
                     "mirrors",
@@ -182,11 +182,15 @@ def _picture(corridor: Corridor, read_m: float) -> Figure:
     axes.plot(*image, "^", color=COLOURS[2], ms=9, mfc="none")
     axes.plot(*(read_m * axis), "X", color=COLOURS[1], ms=10)
     axes.annotate("sonar", (0, 0), (0, -14), textcoords="offset points", ha="center", va="top")
-    axes.annotate("mirror image", image, (10, 0), textcoords="offset points", va="center")
-    axes.annotate(f"ghost, {read_m:.3f} m", read_m * axis, (10, 0), textcoords="offset points",
-                  va="center")  # fmt: skip
-    axes.annotate("board", points[-1], (14, 0), textcoords="offset points", va="center")
+    axes.annotate("mirror image", _place(image), (10, 0), textcoords="offset points", va="center")
+    axes.annotate(f"ghost, {read_m:.3f} m", _place(read_m * axis), (10, 0),
+                  textcoords="offset points", va="center")  # fmt: skip
+    axes.annotate("board", _place(points[-1]), (14, 0), textcoords="offset points", va="center")
     axes.set_aspect("equal")
     axes.set(xlim=(-0.6, 3.6), ylim=(-1.05, 1.95), xlabel="x, m", ylabel="y, m")
     figure.legend(loc="outside lower center", ncols=3)
     return figure
+
+
+def _place(xy_m: NDArray[np.float64]) -> tuple[float, float]:
+    return float(xy_m[0]), float(xy_m[1])

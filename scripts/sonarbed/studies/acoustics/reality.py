@@ -10,18 +10,19 @@ from numpy.typing import NDArray
 
 import worlds
 from sim import InTurn, PhysicalSonar, StatusPackets, Waypoints
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
+from sonarbed.reporting.drives import DriveSpec
 from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
-from sonarbed.studies.acoustics.driving import Drive, drive
+from sonarbed.studies.acoustics.driving import timed_drive
 from sonarbed.studies.acoustics.theory import physical
 from sonarmap import SonarLog, mark_stale, ring
 
-__all__ = ["REAL", "ROOM", "SECONDS", "Shares", "as_real", "run", "shares_of"]
+__all__ = ["REAL", "ROOM", "SECONDS", "LogShares", "as_real", "run", "shares_of"]
 
 
 @dataclass(frozen=True)
-class Shares:
+class LogShares:
     """Shares of a log's readings, overall and by sonar.
 
     Parameters
@@ -40,7 +41,7 @@ class Shares:
 
 # github.com/udacity/RoboND-OccupancyGridMappingAlgorithm, Data/measurement.txt and poses.txt at
 # 5954edb: 413 rows of eight sonars, counted after import by the rules that count ours.
-REAL = Shares(
+REAL = LogShares(
     0.331,
     0.670,
     (0.157, 0.317, 0.259, 0.433, 0.809, 0.308, 0.312, 0.051),
@@ -59,15 +60,15 @@ SECONDS = (83.0, 20.0)
 """How long a drive is in the full page and in a quick one."""
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> Section:
     """Drive along the hallways of the real log as its robot did."""
-    return Section("reality", "Beside a real log", (_hallway(setting),))
+    return Section("reality", "Beside a real log", (_hallway(context),))
 
 
-def as_real(sonar: PhysicalSonar, seconds: float, seed: int) -> Drive:
+def as_real(sonar: PhysicalSonar, seconds: float, seed: int) -> DriveSpec:
     """Return the drive with the ring, the times and the steps of the real robot."""
     world = worlds.load(str(ROOM))
-    return Drive(
+    return timed_drive(
         str(ROOM),
         sonar.replace(
             ring=ring("udacity8"),
@@ -81,43 +82,31 @@ def as_real(sonar: PhysicalSonar, seconds: float, seed: int) -> Drive:
     )
 
 
-def shares_of(log: SonarLog) -> Shares:
-    """Return how much of a log is silence, and how much is told again."""
+def shares_of(log: SonarLog) -> LogShares:
+    """Return how much of a log is silence, and how much repeats."""
     lost, repeated = np.isposinf(log.range_m), mark_stale(log).stale
 
     def by_sonar(chosen: NDArray[np.bool_]) -> tuple[float, ...]:
         return tuple(float(chosen[log.sonar == k].mean()) for k in range(len(log.ring)))
 
-    return Shares(float(lost.mean()), float(repeated.mean()), by_sonar(lost), by_sonar(repeated))
+    return LogShares(float(lost.mean()), float(repeated.mean()), by_sonar(lost), by_sonar(repeated))
 
 
-def _hallway(setting: Setting) -> Item:
-    sonar = physical(setting.sonar)
-    seconds = SECONDS[setting.quick]
-    tasks = [as_real(sonar, seconds, seed) for seed in range(1 if setting.quick else 3)]
-    logs = setting.map(drive, tasks, "driving along the hallway")
+def _hallway(context: StudyContext) -> Item:
+    sonar = physical(context.sonar)
+    seconds = SECONDS[context.quick]
+    specs = [as_real(sonar, seconds, seed) for seed in range(1 if context.quick else 3)]
+    logs = context.logs(specs, "driving along the hallway")
     each = [shares_of(log) for log in logs]
-    ours = Shares(
+    ours = LogShares(
         float(np.mean([shares.lost for shares in each])),
         float(np.mean([shares.repeated for shares in each])),
         tuple(np.mean([shares.lost_by_sonar for shares in each], axis=0).tolist()),
         tuple(np.mean([shares.repeated_by_sonar for shares in each], axis=0).tolist()),
     )
     rows = [
-        (
-            name,
-            _percent(value(ours)),
-            _percent(value(REAL)),
-            _points(value(ours) - value(REAL)),
-        )
-        for name, value in (
-            ("no echo, overall", lambda s: s.lost),
-            ("no echo, least of the sonars", lambda s: min(s.lost_by_sonar)),
-            ("no echo, most of the sonars", lambda s: max(s.lost_by_sonar)),
-            ("repeated, overall", lambda s: s.repeated),
-            ("repeated, least of the sonars", lambda s: min(s.repeated_by_sonar)),
-            ("repeated, most of the sonars", lambda s: max(s.repeated_by_sonar)),
-        )
+        (name, _percent(mine), _percent(real), _points(mine - real))
+        for (name, mine), real in zip(_rows_of(ours).items(), _rows_of(REAL).values(), strict=True)
     ]
     figure, panels = figure_with(1, 2, width=5.2, height=3.4, sharey=True)
     names = ("no echo", "repeated value")
@@ -155,9 +144,9 @@ def _hallway(setting: Setting) -> Item:
         f"{np.mean(REAL.lost_by_sonar[front]):.0%} together; ours lose "
         f"{min(ours.lost_by_sonar[front]):.0%} and {max(ours.lost_by_sonar[front]):.0%}, "
         f"{np.mean(ours.lost_by_sonar[front]):.0%} together.",
-        (setting.figure("hallway", figure, "Shares by sonar"),),
+        (context.figure("hallway", figure, "Shares by sonar"),),
         (
-            setting.table(
+            context.table(
                 "hallway",
                 ("share", "simulated", "real", "difference, points"),
                 rows,
@@ -166,6 +155,17 @@ def _hallway(setting: Setting) -> Item:
             ),
         ),
     )
+
+
+def _rows_of(shares: LogShares) -> dict[str, float]:
+    return {
+        "no echo, overall": shares.lost,
+        "no echo, least of the sonars": min(shares.lost_by_sonar),
+        "no echo, most of the sonars": max(shares.lost_by_sonar),
+        "repeated, overall": shares.repeated,
+        "repeated, least of the sonars": min(shares.repeated_by_sonar),
+        "repeated, most of the sonars": max(shares.repeated_by_sonar),
+    }
 
 
 def _percent(share: float) -> str:

@@ -121,12 +121,12 @@ def main_half_width_rad(sonar: PhysicalSonar, locus: Locus) -> float:
 
 
 def as_range(range_m: float, digits: int = 3) -> str:
-    """Return a range as a table tells it."""
+    """Return a range as tables show it."""
     return f"{range_m:.{digits}f}" if math.isfinite(range_m) else "no echo"
 
 
 def as_deviation(largest_m: float) -> str:
-    """Return a deviation as a sentence tells it, down to a micrometre."""
+    """Return a deviation as sentences give it, down to a micrometre."""
     return "below 0.001 mm" if largest_m < 1e-6 else f"{1000 * largest_m:.3f} mm"
 
 

@@ -126,5 +126,6 @@ def score_points(
     near = space.distance_m(points_m) <= NEAR_M
     shapely.prepare(space.polygon)
     beyond = ~near & ~shapely.contains_xy(space.polygon, points_m)
-    shown = KDTree(points_m).query(surface_cells_m, distance_upper_bound=NEAR_M)[0] <= NEAR_M
+    away_m, _ = KDTree(points_m).query(surface_cells_m, distance_upper_bound=NEAR_M)
+    shown = np.asarray(away_m) <= NEAR_M
     return PointShares(float(near.mean()), float(beyond.mean()), float(shown.mean()))

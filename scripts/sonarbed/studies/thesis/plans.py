@@ -2,16 +2,49 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
+import sonarmap as sm
 import worlds
 from sonarbed.reporting.drawing import COLOURS
+from sonarbed.reporting.pictures import plan, show_map, show_truth
 from sonarbed.studies.thesis.free_space import FreeSpace
 
-__all__ = ["draw_cells", "draw_outline", "draw_points"]
+__all__ = [
+    "TitledMap",
+    "draw_cells",
+    "draw_observable_truth",
+    "draw_outline",
+    "draw_points",
+    "draw_titled_map",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class TitledMap:
+    """A map and what is written above it."""
+
+    title: str
+    map: sm.OccupancyMap
+
+
+def draw_titled_map(axes: Axes, example: TitledMap, *, font_size: int = 10) -> None:
+    """Draw a map with its title: white free, black occupied."""
+    show_map(axes, example.map)
+    axes.set_title(example.title, fontsize=font_size)
+
+
+def draw_observable_truth(
+    axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_]
+) -> None:
+    """Draw the truth with a title: lighter where nothing was observable."""
+    show_truth(axes, truth, observable)
+    axes.set_title("truth", fontsize=10)
 
 
 def draw_outline(
@@ -27,9 +60,7 @@ def draw_outline(
     x_min, y_min, x_max, y_max = bounds_m
     axes.set_xlim(x_min, x_max)
     axes.set_ylim(y_min, y_max)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, m")
-    axes.set_ylabel("y, m")
+    plan(axes)
 
 
 def draw_cells(axes: Axes, truth: worlds.TruthGrid) -> None:

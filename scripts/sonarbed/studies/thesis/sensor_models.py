@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
-from sonarbed.reporting.section import Item, Section
-from sonarbed.reporting.setting import Setting
+from sonarbed.reporting.section import Item
+from sonarbed.studies.thesis.contradictions import contradictions
+from sonarbed.studies.thesis.questions import ThesisSection
 from sonarmap import ParameterizedModel, SensorModel, StandardModel
 
 __all__ = ["run"]
@@ -27,22 +29,22 @@ _EXAMPLES = (
 )
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> ThesisSection:
     """Draw both models and compute the book's examples."""
-    return Section(
+    return ThesisSection(
         "sensor_models",
         "The sensor models (chapters 4 and 5)",
-        (_examples(setting), _standard(setting), _on_axis(setting), _parameterized(setting)),
+        (_examples(context), _standard(context), _on_axis(context), _parameterized(context)),
     )
 
 
-def _examples(setting: Setting) -> Item:
+def _examples(context: StudyContext) -> Item:
     rows = []
     for figure, name, range_m, bearing_deg, book in _EXAMPLES:
         occupied = float(_MURPHY.probability(range_m, math.radians(bearing_deg), 6.0))
         ours = occupied if "Occupied" in name else 1 - occupied
         rows.append((figure, name, range_m, bearing_deg, book, f"{ours:.4f}"))
-    table = setting.table(
+    table = context.table(
         "examples",
         ("figure", "what", "r", "bearing, degrees", "book", "ours"),
         rows,
@@ -56,19 +58,19 @@ def _examples(setting: Setting) -> Item:
     )
 
 
-def _standard(setting: Setting) -> Item:
+def _standard(context: StudyContext) -> Item:
     figure = _two_views(_MURPHY, 6.0, 10.0)
-    wrong_near, wrong_hill = _spikes(_MURPHY, 6.0)
+    wrong_near, wrong_hill = contradictions(_MURPHY, 6.0, _MURPHY.tolerance_m)
     return Item(
         "Figure 4.6",
         "The standard model in 2-D and 3-D; the thesis notes spikes in the wrong direction.",
         f"{wrong_near:.0%} of the cone's area before the hill says 'occupied' (P > 0.5) and "
         f"{wrong_hill:.0%} of the hill's area says 'empty' (P < 0.5): the spikes are real.",
-        (setting.figure("standard", figure, "Standard model, s = 6, R = 10, beta = 15 degrees"),),
+        (context.figure("standard", figure, "Standard model, s = 6, R = 10, beta = 15 degrees"),),
     )
 
 
-def _on_axis(setting: Setting) -> Item:
+def _on_axis(context: StudyContext) -> Item:
     figure, (left, right) = figure_with(1, 2, sharey=True)
     r = np.linspace(0, 10, 4001)
     left.plot(r, _FIGURE_5_1.probability(r, 0.0, 5.0), color=COLOURS[0])
@@ -89,38 +91,24 @@ def _on_axis(setting: Setting) -> Item:
         "model in the reading itself.",
         f"Standard: {start:.4f} at the near end against {middle:.4f} at the reading. Proposed: "
         f"its peak is P4 = {peak:.2f}, at the reading.",
-        (setting.figure("axis", figure, "P(occupied) on the acoustic axis"),),
+        (context.figure("axis", figure, "P(occupied) on the acoustic axis"),),
     )
 
 
-def _parameterized(setting: Setting) -> Item:
+def _parameterized(context: StudyContext) -> Item:
     figure = _two_views(_PROPOSED, 7.5, 10.0)
-    wrong_near, wrong_hill = _spikes(_PROPOSED, 7.5)
+    wrong_near, wrong_hill = contradictions(_PROPOSED, 7.5, _PROPOSED.p3_m)
     return Item(
         "Figures 5.6 and 5.7",
         "The proposed model in 2-D and 3-D, s = 7.5 units: no spikes in the wrong direction.",
         f"{wrong_near:.0%} of the area before the hill says 'occupied' and {wrong_hill:.0%} of the "
         "hill says 'empty': there are none.",
         (
-            setting.figure(
+            context.figure(
                 "parameterized", figure, "Parameterised model, 0.02, 0.15, 1 unit, 0.98, 15 degrees"
             ),
         ),
     )
-
-
-def _spikes(model: StandardModel | ParameterizedModel, reading: float) -> tuple[float, float]:
-    """Return the shares of the area before the hill above 0.5, and of the hill below 0.5."""
-    tolerance = model.tolerance_m if isinstance(model, StandardModel) else model.p3_m
-    r, bearing = np.meshgrid(
-        np.linspace(0.005, reading + tolerance, 800),
-        np.linspace(-model.half_angle_rad, model.half_angle_rad, 401),
-    )
-    p = model.probability(r, bearing, reading)
-    hill = r >= reading - tolerance
-    # A ring of the cone has an area that grows with its range.
-    near = float((r * (p > 0.5 + 1e-9))[~hill].sum() / r[~hill].sum())
-    return near, float((r * (p < 0.5 - 1e-9))[hill].sum() / r[hill].sum())
 
 
 def _two_views(model: SensorModel, reading: float, far: float) -> Figure:
@@ -133,7 +121,7 @@ def _two_views(model: SensorModel, reading: float, far: float) -> Figure:
     flat.set_xlabel("along the axis, units")
     flat.set_ylabel("across, units")
     figure.colorbar(image, ax=flat, shrink=0.75, label="P(occupied)")
-    hill: Axes = figure.add_subplot(1, 2, 2, projection="3d")
+    hill: Axes3D = figure.add_subplot(1, 2, 2, projection="3d")
     hill.plot_surface(x, y, p, cmap="RdBu_r", vmin=0, vmax=1, rstride=6, cstride=6, lw=0)
     hill.set_xlabel("along, units")
     hill.set_ylabel("across, units")

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from sim.sonar.presets import preset
 from sim.sonar.protocol import Sonar
 from sonarbed.reporting.bench import board, post, readings, scene
+from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
-from sonarbed.reporting.section import Answer, Item, Section
-from sonarbed.reporting.setting import Setting
+from sonarbed.reporting.section import Item
 from sonarbed.reporting.statistics import Estimate, mean_of
+from sonarbed.studies.thesis.questions import Answer, ThesisSection
 from sonarmap import SonarRing
 from worlds import World
 
@@ -72,24 +73,24 @@ class _Measured:
         return mean_of((self.excess_m / _DISTANCES_M).mean(axis=1))
 
 
-def run(setting: Setting) -> Section:
+def run(context: StudyContext) -> ThesisSection:
     """Move targets to the edge of the cone at several distances."""
-    sonar = preset(setting.sonar)
+    sonar = preset(context.sonar)
     tasks = [
-        (setting.sonar, target, tuple(_DISTANCES_M), seed)
+        (context.sonar, target, tuple(_DISTANCES_M), seed)
         for target in _targets()
-        for seed in setting.seeds
+        for seed in context.seeds
     ]
-    found = iter(setting.map(_measured, tasks, "moving targets to the edge"))
+    found = iter(context.map(_measured, tasks, "moving targets to the edge"))
     measured = []
     for target in _targets():
-        pairs = np.array([next(found) for _ in setting.seeds])
+        pairs = np.array([next(found) for _ in context.seeds])
         measured.append(_Measured(target, pairs[:, 0], pairs[:, 1]))
     expected_m = excess_m(_DISTANCES_M, sonar.ring)
-    return Section(
+    return ThesisSection(
         "target_distance",
         "The target distance threshold (section 6.2)",
-        (_item(setting, sonar, measured, expected_m),),
+        (_item(context, sonar, measured, expected_m),),
         (Answer(6, _answer(measured)),),
     )
 
@@ -101,7 +102,9 @@ def excess_m(distance_m: ArrayLike, ring: SonarRing) -> NDArray[np.float64]:
     to it is within the sonar's range.
     """
     d = np.asarray(distance_m, float)
-    return np.minimum(d / math.cos(ring.half_angle_rad), ring.range_max_m) - d
+    way_m = np.minimum(d / math.cos(ring.half_angle_rad), ring.range_max_m)
+    excess: NDArray[np.float64] = way_m - d
+    return excess
 
 
 def edge_readings(
@@ -141,7 +144,7 @@ def _measured(task: tuple[str, str, tuple[float, ...], int]) -> NDArray[np.float
 
 
 def _item(
-    setting: Setting, sonar: Sonar, measured: list[_Measured], expected_m: NDArray[np.float64]
+    context: StudyContext, sonar: Sonar, measured: list[_Measured], expected_m: NDArray[np.float64]
 ) -> Item:
     thesis_m = _THESIS_R2_M - _THESIS_R1_M
     at_m = [f"{one.excess_at(_THESIS_AT_M).text(1, factor=1e3)} mm" for one in measured]
@@ -164,8 +167,8 @@ def _item(
         "across where it is still seen: 62 mm. The mean over distances from 1 to 3 m gives "
         "TDTh = 60 mm.",
         finding,
-        (_figure(setting, measured, sonar.ring),),
-        (_table(setting, measured, expected_m),),
+        (_figure(context, measured, sonar.ring),),
+        (_table(context, measured, expected_m),),
     )
 
 
@@ -193,10 +196,10 @@ def _growth(one: _Measured) -> str:
 
 
 def _answer(measured: list[_Measured]) -> str:
-    told = [_near(one.target, one.averaged) for one in measured]
+    clauses = [_near(one.target, one.averaged) for one in measured]
     return (
         f"TDTh against the thesis's {_THESIS_TDTH_M * 1e3:.0f} mm, averaged over "
-        f'{_AVERAGED_M[0]:g} to {_AVERAGED_M[1]:g} m: {"; ".join(told)}. "Near" is within '
+        f'{_AVERAGED_M[0]:g} to {_AVERAGED_M[1]:g} m: {"; ".join(clauses)}. "Near" is within '
         f"{_NEAR:.0%}."
     )
 
@@ -214,7 +217,7 @@ def _each(names: list[str], texts: list[str]) -> str:
 
 
 def _table(
-    setting: Setting, measured: list[_Measured], expected_m: NDArray[np.float64]
+    context: StudyContext, measured: list[_Measured], expected_m: NDArray[np.float64]
 ) -> tuple[str, str]:
     rows = []
     for one in measured:
@@ -224,16 +227,16 @@ def _table(
             )
             numbers = (r1.value, r2.value, excess.value, excess.low, excess.high, expected_m[i])
             rows.append((one.target, f"{d:g}", *(f"{number * 1e3:.1f}" for number in numbers)))
-    return setting.table(
+    return context.table(
         "target_distance",
         ("target", "d, m", "r1, mm", "r2, mm", "r2 - r1, mm", "low", "high", "arithmetic, mm"),
         rows,
-        f"Readings on the axis (r1) and at the edge (r2), {len(setting.seeds)} seeds, 95 % "
+        f"Readings on the axis (r1) and at the edge (r2), {len(context.seeds)} seeds, 95 % "
         "interval of the difference",
     )
 
 
-def _figure(setting: Setting, measured: list[_Measured], ring: SonarRing) -> tuple[str, str]:
+def _figure(context: StudyContext, measured: list[_Measured], ring: SonarRing) -> tuple[str, str]:
     figure, (axes,) = figure_with(width=7.5, height=4.6)
     d = np.linspace(0, 3, 301)
     axes.plot(
@@ -266,6 +269,6 @@ def _figure(setting: Setting, measured: list[_Measured], ring: SonarRing) -> tup
     axes.set_xlim(0, 3.05)
     axes.set_ylim(bottom=0)
     axes.legend(fontsize=9)
-    return setting.figure(
+    return context.figure(
         "target_distance", figure, "Difference of the readings at the cone's edge and on its axis"
     )

@@ -10,22 +10,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sonarbed.reporting.setting import Setting
+from sonarbed.reporting.drives import DriveSpec
+from sonarbed.reporting.parallel import OnProgress, parallel_map
 from sonarbed.reporting.statistics import Estimate, mean_of
-from sonarbed.studies.tuning.drives import DriveName, load_drives
-from sonarbed.studies.tuning.search import OnProgress, Search
+from sonarbed.studies.tuning.scoring import score_candidate
+from sonarbed.studies.tuning.search import Search
 from sonarbed.studies.tuning.settings import check_rooms
 from sonarbed.studies.tuning.space import Candidate
 from sonarmap.errors import InputError
 
-__all__ = ["ALL_ROOMS", "BEST", "Judged", "check_judges", "judge"]
+__all__ = ["ALL_ROOMS", "BEST", "RoomScores", "check_judges", "judge"]
 
 BEST = "best"
 ALL_ROOMS = "all rooms"
 
 
 @dataclass(frozen=True)
-class Judged:
+class RoomScores:
     """Scores of candidates in rooms.
 
     Parameters
@@ -44,10 +45,12 @@ class Judged:
         """What there are means of: each room and, when there are several, all of them."""
         return self.rooms if len(self.rooms) == 1 else (*self.rooms, ALL_ROOMS)
 
-    def only(self, rooms: Sequence[str]) -> Judged:
+    def only(self, rooms: Sequence[str]) -> RoomScores:
         """Return the scores of some of the rooms."""
         rows = [self.rooms.index(room) for room in rooms]
-        return Judged(tuple(rooms), {name: scores[rows] for name, scores in self.scores.items()})
+        return RoomScores(
+            tuple(rooms), {name: scores[rows] for name, scores in self.scores.items()}
+        )
 
     @property
     def mean(self) -> dict[str, float]:
@@ -69,12 +72,12 @@ class Judged:
             place: {
                 "scores": {
                     name: {
-                        **_told(self.score(name, place)),
+                        **_as_dict(self.score(name, place)),
                         "by_seed": self._by_seed(scores, place).tolist(),
                     }
                     for name, scores in self.scores.items()
                 },
-                "best_minus": {name: _told(self.gain(name, place)) for name in others},
+                "best_minus": {name: _as_dict(self.gain(name, place)) for name in others},
             }
             for place in self.places
         }
@@ -105,23 +108,23 @@ def judge(
     *,
     jobs: int = 1,
     on_progress: OnProgress,
-) -> Judged:
+) -> RoomScores:
     """Return the scores of candidates in rooms, on the drives that `find` has made there."""
-    work = Setting(search.folder, jobs=jobs, on_progress=on_progress)
-    names = search.settings.drives(rooms)
-    tasks = [(search, name, tuple(candidates.values())) for name in names]
-    scores = np.array(work.map(_scores, tasks, "judging"))
+    specs = search.settings.drives(rooms)
+    tasks = [(search, spec, tuple(candidates.values())) for spec in specs]
+    scores = np.array(parallel_map(_scores, tasks, "judging", jobs=jobs, on_progress=on_progress))
     by_candidate = scores.reshape(len(rooms), search.settings.seeds, len(candidates))
-    return Judged(tuple(rooms), {n: by_candidate[..., i] for i, n in enumerate(candidates)})
+    return RoomScores(tuple(rooms), {n: by_candidate[..., i] for i, n in enumerate(candidates)})
 
 
-def _scores(task: tuple[Search, DriveName, tuple[Candidate, ...]]) -> list[float]:
-    search, name, candidates = task
-    (drive,) = load_drives(search.logs, (name,))
-    settings = search.settings
-    return [drive.score(each, settings.score, settings.max_range_m) for each in candidates]
+def _scores(task: tuple[Search, DriveSpec, tuple[Candidate, ...]]) -> list[float]:
+    search, spec, candidates = task
+    drive, settings = search.drives.scorable(spec), search.settings
+    return [
+        score_candidate(each, drive, settings.score, settings.max_range_m) for each in candidates
+    ]
 
 
-def _told(estimate: Estimate) -> dict[str, float | None]:
+def _as_dict(estimate: Estimate) -> dict[str, float | None]:
     numbers = {"mean": estimate.value, "low": estimate.low, "high": estimate.high}
     return {name: value if math.isfinite(value) else None for name, value in numbers.items()}

@@ -9,14 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sonarbed.reporting.pictures import save
+from sonarbed.reporting.drawing import COLOURS, save
 from sonarbed.studies.tuning.search import Search, Trial
 
 __all__ = ["draw_search"]
 
-# Okabe and Ito's palette, as the other pictures.
-_TRIAL, _BEST = "#56B4E9", "#D55E00"
-_OTHERS = ("#0072B2", "#009E73")
+_TRIAL, _BEST = COLOURS[5], COLOURS[1]
+_OTHERS = (COLOURS[0], COLOURS[2])
 _COLUMNS = 4
 # The worst trials lie so far below that they would press all others into a line.
 _SHOWN_SHARE = 0.1
@@ -48,7 +47,7 @@ def draw_search(
     values = [trial.candidate.to_dict() for trial in trials]
     # P1 is 1 - P4 and says nothing new.
     searched = [
-        name for name in values[0] if name != "p1" and len({told[name] for told in values}) > 1
+        name for name in values[0] if name != "p1" and len({each[name] for each in values}) > 1
     ]
     rows = -(-len(searched) // _COLUMNS)
     figure = Figure(figsize=(13, 4.2 + 3 * rows), layout="constrained")
@@ -71,7 +70,7 @@ def draw_search(
 
     for index, name in enumerate(searched):
         axes = figure.add_subplot(grid[1 + index // _COLUMNS, index % _COLUMNS], sharey=history)
-        axes.plot([told[name] for told in values], scores, ".", ms=4, color=_TRIAL)
+        axes.plot([each[name] for each in values], scores, ".", ms=4, color=_TRIAL)
         axes.plot(best.candidate.to_dict()[name], best.score, "o", ms=8, color=_BEST)
         axes.set_xlabel(name)
         if index % _COLUMNS:

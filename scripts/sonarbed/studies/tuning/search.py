@@ -6,11 +6,8 @@ were finished before it. One process therefore finds the same, whether it was in
 
 from __future__ import annotations
 
-import sqlite3
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -18,25 +15,20 @@ import numpy as np
 import optuna
 from optuna.distributions import FloatDistribution
 from optuna.trial import FrozenTrial, TrialState
-from sqlalchemy import event
-from sqlalchemy.engine import make_url
-from sqlalchemy.exc import SQLAlchemyError
 
-from sonarbed.reporting.setting import Setting
-from sonarbed.studies.tuning.drives import load_drives, simulate_drive
+from sonarbed.reporting.drives import DriveStore
+from sonarbed.reporting.parallel import OnProgress, parallel_map
+from sonarbed.studies.tuning.scoring import score_candidate
 from sonarbed.studies.tuning.settings import TuneSettings
 from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
+from sonarbed.studies.tuning.storage import StudyStorage, connect, quiet_optuna, release
 from sonarmap.errors import InputError
 from sonarmap.files import make_folder
 
-__all__ = ["Found", "Search", "find"]
-
-OnProgress = Callable[[str, int, int], None]
+__all__ = ["Search", "SearchResult", "find"]
 
 # Generations of 20: ten of them in a search of 200 trials.
 _POPULATION = 20
-# Processes that share an SQLite file wait for one another this long, seconds.
-_SQLITE_WAIT_S = 60
 _SETTINGS = "sonarbed"
 
 
@@ -70,17 +62,14 @@ class Search:
             raise InputError(f"seed must be >= 0, got {self.seed!r}")
 
     @property
-    def logs(self) -> Path:
-        """Folder of the drives."""
-        return self.folder / "logs"
+    def drives(self) -> DriveStore:
+        """The drives that it scores, and those to judge by."""
+        return DriveStore(self.folder / "logs")
 
     @property
-    def shown_storage(self) -> str:
-        """The storage's URL without its password."""
-        try:
-            return make_url(self.storage).render_as_string(hide_password=True)
-        except SQLAlchemyError:
-            return self.storage
+    def kept(self) -> StudyStorage:
+        """Where its study is kept."""
+        return StudyStorage(self.storage, self.study_name, maximize=self.settings.higher_is_better)
 
 
 @dataclass(frozen=True)
@@ -93,7 +82,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What a search has found: all finished trials in their order, and the best of them."""
 
     trials: tuple[Trial, ...]
@@ -107,7 +96,7 @@ def find(
     trials: int | None = None,
     jobs: int = 1,
     on_progress: OnProgress,
-) -> Found:
+) -> SearchResult:
     """Search until that many trials are finished, those of earlier runs included.
 
     Parameters
@@ -139,31 +128,34 @@ def find(
         raise InputError(f"trials must be {f'1 to {grid}' if grid else '>= 1'}, got {wanted}")
     if jobs < 1:
         raise InputError(f"jobs must be >= 1, got {jobs}")
-    make_folder(search.logs)
-    work = Setting(search.folder, jobs=jobs, on_progress=on_progress)
-    with _quiet_optuna(), _usable_storage(search):
-        _at_work.cache_clear()
+    make_folder(search.drives.folder)
+    with quiet_optuna(), search.kept.usable():
         try:
             # Refused before the first drive, not after the last.
             study = _claimed(search)
-            drives = search.settings.drives((*search.settings.train, *judges))
-            away = [name for name in drives if not (search.logs / name.file).exists()]
-            if away:
-                work.map(simulate_drive, [(search.logs, name) for name in away], "driving")
+            search.drives.simulate_missing(
+                search.settings.drives((*search.settings.train, *judges)),
+                jobs=jobs,
+                on_progress=on_progress,
+            )
             # A trial that was interrupted is made again; a set of the grid never is once it is
             # finished. Two machines may make the same one: then another is missing.
             while tasks := _missing(search, study, wanted):
-                before = wanted - len(tasks)
-                Setting(
-                    search.folder,
+                parallel_map(
+                    _one_trial,
+                    tasks,
+                    "trials",
                     jobs=jobs,
-                    on_progress=lambda label, done, total, before=before: on_progress(
-                        label, before + done, before + total
-                    ),
-                ).map(_one_trial, tasks, "trials")
+                    on_progress=_continued(on_progress, wanted - len(tasks)),
+                )
             return _found(search, study)
         finally:
-            _release(search)
+            release(search.kept)
+
+
+def _continued(on_progress: OnProgress, before: int) -> OnProgress:
+    """Return what reports progress after so many that were done before."""
+    return lambda label, done, total: on_progress(label, before + done, before + total)
 
 
 def _missing(
@@ -188,8 +180,8 @@ def _one_trial(task: tuple[Search, int, tuple[tuple[str, float], ...] | None]) -
     """Make one trial; it is finished in the storage, or it does not count."""
     search, number, point = task
     settings = search.settings
-    with _quiet_optuna(), _usable_storage(search):
-        _, study = _at_work(search)
+    with quiet_optuna(), search.kept.usable():
+        study = connect(search.kept)
         if point is not None and any(
             _key(trial.params) == _key(dict(point)) for trial in _finished(study)
         ):
@@ -202,11 +194,15 @@ def _one_trial(task: tuple[Search, int, tuple[tuple[str, float], ...] | None]) -
             }
         )
         try:
-            drives = load_drives(search.logs, settings.drives(settings.train))
             tried = candidate(trial.params, settings.model)
-            scores = [d.score(tried, settings.score, settings.max_range_m) for d in drives]
+            scores = [
+                score_candidate(
+                    tried, search.drives.scorable(spec), settings.score, settings.max_range_m
+                )
+                for spec in settings.drives(settings.train)
+            ]
         except BaseException:
-            # Ctrl-C as well: the trial is told to have failed, for it would seem to run for ever.
+            # Ctrl-C as well: the trial is marked as failed, or it would seem to run for ever.
             study.tell(trial, state=TrialState.FAIL)
             raise
         study.tell(trial, float(np.mean(scores)))
@@ -243,14 +239,14 @@ def _sampler(
     return optuna.samplers.CmaEsSampler(seed=seed)
 
 
-def _found(search: Search, study: optuna.Study) -> Found:
+def _found(search: Search, study: optuna.Study) -> SearchResult:
     trials = tuple(
         Trial(trial.number, candidate(trial.params, search.settings.model), float(trial.values[0]))
         for trial in _finished(study)
     )
     sign = 1 if search.settings.higher_is_better else -1
     # The first of equals, whoever else works on the study.
-    return Found(trials, max(trials, key=lambda trial: (sign * trial.score, -trial.number)))
+    return SearchResult(trials, max(trials, key=lambda trial: (sign * trial.score, -trial.number)))
 
 
 def _finished(study: optuna.Study) -> list[FrozenTrial]:
@@ -264,9 +260,9 @@ def _key(point: dict[str, Any]) -> tuple[tuple[str, float], ...]:
 
 def _claimed(search: Search) -> optuna.Study:
     """Return the study, made if it is new, or raise `InputError` if it is another search's."""
-    _, study = _at_work(search)
+    study = connect(search.kept)
     found = study.user_attrs.get(_SETTINGS)
-    where = f"study {search.study_name!r} in {search.shown_storage}"
+    where = f"study {search.study_name!r} in {search.kept.shown_url}"
     if found is None:
         if study.get_trials(deepcopy=False):
             raise InputError(f"{where} was not made by sonarbed: choose another study name")
@@ -278,74 +274,3 @@ def _claimed(search: Search) -> optuna.Study:
             f"{where} was made with {difference}: choose another folder, storage or study name"
         )
     return study
-
-
-@lru_cache(maxsize=1)
-def _at_work(search: Search) -> tuple[optuna.storages.RDBStorage, optuna.Study]:
-    """Return the study of a search, connected once a process."""
-    url = make_url(search.storage)
-    sqlite = url.get_backend_name() == "sqlite"
-    if sqlite and url.database in (None, "", ":memory:"):
-        raise InputError(f"storage must be kept, got {search.storage!r}, which is in memory")
-    try:
-        storage = optuna.storages.RDBStorage(
-            search.storage,
-            engine_kwargs={"connect_args": {"timeout": _SQLITE_WAIT_S}} if sqlite else None,
-        )
-    except (ImportError, RuntimeError) as error:
-        # No driver for such a database; tables that another version of Optuna made.
-        raise _unusable(search, error) from None
-    if sqlite:
-        # A trial is a dozen commits, and each would wait for the disk. With a write-ahead log only
-        # a power cut can lose any, the last ones; the file stays sound.
-        storage.engine.dispose()
-        event.listen(storage.engine, "connect", _write_ahead)
-    study = optuna.create_study(
-        storage=storage,
-        study_name=search.study_name,
-        direction="maximize" if search.settings.higher_is_better else "minimize",
-        load_if_exists=True,
-    )
-    return storage, study
-
-
-def _write_ahead(connection: sqlite3.Connection, record: object) -> None:
-    connection.execute("PRAGMA journal_mode = WAL")
-    connection.execute("PRAGMA synchronous = NORMAL")
-
-
-def _release(search: Search) -> None:
-    """Close this process's connection; its workers' end with them."""
-    if _at_work.cache_info().currsize:
-        storage, _ = _at_work(search)
-        storage.remove_session()
-        storage.engine.dispose()
-    _at_work.cache_clear()
-
-
-@contextmanager
-def _usable_storage(search: Search) -> Iterator[None]:
-    """Turn what a storage raises into one `InputError` that names it."""
-    try:
-        yield
-    except (SQLAlchemyError, optuna.exceptions.OptunaError) as error:
-        raise _unusable(search, error) from None
-
-
-def _unusable(search: Search, error: BaseException) -> InputError:
-    # The innermost reason is the database's own: "unable to open database file".
-    while error.__cause__ is not None:
-        error = error.__cause__
-    line = next(iter(str(error).splitlines()), type(error).__name__)
-    return InputError(f"storage {search.shown_storage} cannot be used: {line}")
-
-
-@contextmanager
-def _quiet_optuna() -> Iterator[None]:
-    """Keep Optuna from talking while the block runs; the caller shows its own progress."""
-    before = optuna.logging.get_verbosity()
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    try:
-        yield
-    finally:
-        optuna.logging.set_verbosity(before)

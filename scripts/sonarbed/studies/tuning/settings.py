@@ -8,7 +8,8 @@ from importlib.metadata import version
 from typing import Any
 
 import worlds
-from sonarbed.studies.tuning.drives import SCORES, DriveName
+from sonarbed.reporting.drives import DriveSpec, usual_driver
+from sonarbed.studies.tuning.scoring import SCORES
 from sonarbed.studies.tuning.space import MODELS, TARGETS
 from sonarmap.errors import InputError, did_you_mean, positive
 
@@ -21,7 +22,7 @@ FORMAT_VERSION = 1
 
 @dataclass(frozen=True)
 class TuneSettings:
-    """What is searched, how, and by which score of which drives. A study has one of it.
+    """What is searched, how, and by which score of which drives. A study has one of them.
 
     Parameters
     ----------
@@ -79,10 +80,10 @@ class TuneSettings:
         """Which way the score runs."""
         return SCORES[self.score]
 
-    def drives(self, rooms: Sequence[str]) -> tuple[DriveName, ...]:
+    def drives(self, rooms: Sequence[str]) -> tuple[DriveSpec, ...]:
         """Return the drives of rooms, as long and as many as those of the search."""
         return tuple(
-            DriveName.of(room, scans=self.scans, seed=seed)
+            DriveSpec(room, scans=self.scans, seed=seed, driver=usual_driver(room))
             for room in rooms
             for seed in range(self.seeds)
         )

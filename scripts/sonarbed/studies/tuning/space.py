@@ -76,7 +76,7 @@ class Candidate:
         """Return the parameters by name as JSON-able values, angles in degrees."""
         model = self.model
         if isinstance(model, ParameterizedModel):
-            told = {
+            parameters = {
                 "p1": model.p1,
                 "p2": model.p2,
                 "p3_m": model.p3_m,
@@ -85,7 +85,7 @@ class Candidate:
             }
         else:
             assert isinstance(model, StandardModel)
-            told = {
+            parameters = {
                 "beta_deg": round(math.degrees(model.beta_rad), _DIGITS),
                 "max_range_m": model.max_range_m,
                 "max_occupied": model.max_occupied,
@@ -93,8 +93,8 @@ class Candidate:
             }
         if self.hsr is not None:
             names = ("min_wall_m", "max_wall_m", "threshold_m", "target_distance_m")
-            told |= {name: getattr(self.hsr, name) for name in names}
-        return told
+            parameters |= {name: getattr(self.hsr, name) for name in names}
+        return parameters
 
 
 def ranges(target: str, model: str) -> dict[str, tuple[float, float]]:

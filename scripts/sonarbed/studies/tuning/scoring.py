@@ -1,0 +1,28 @@
+"""How well a candidate maps a drive, by the scores that a search may go by."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import sonarmap as sm
+from sonarbed.reporting.drives import ScorableDrive
+from sonarbed.studies.tuning.space import Candidate
+
+__all__ = ["SCORES", "score_candidate"]
+
+# Scores by name, and whether a higher one is better.
+SCORES = MappingProxyType({"map_score": True, "f1_10_cm": True, "brier": False})
+_TEN_CM = 1  # index of the tolerance
+
+
+def score_candidate(
+    candidate: Candidate, drive: ScorableDrive, score: str, max_range_m: float | None
+) -> float:
+    """Return the score, over observable cells, of the map that a candidate makes of a drive."""
+    log, hsr = drive.log, candidate.hsr
+    # Where no reading is within the threshold there is nothing to learn from: HSR is idle.
+    if hsr is not None and ((log.range_m >= 0) & (log.range_m <= hsr.threshold_m)).any():
+        log = sm.hsr(log, hsr).log
+    built = sm.build_map(log, candidate.model, drive.truth.grid, max_range_m=max_range_m)
+    scored = sm.score_map(built, drive.truth, observable=drive.observable)
+    return scored.f1(_TEN_CM) if score == "f1_10_cm" else float(getattr(scored, score))
