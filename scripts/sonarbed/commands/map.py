@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -14,6 +14,7 @@ from sonarmap.catalogue import FILTERS, METHODS
 
 if TYPE_CHECKING:
     from sonarmap import MappingMethod
+    from sonarmap.mapping import Poses
 
 __all__ = ["map_"]
 
@@ -117,7 +118,8 @@ def map_(
     grid = grid_for(readings, chosen, resolution_m=resolution)
     with working("mapping"):
         filtered = pipeline.apply(readings)
-        built = sm.build_map(filtered.log, chosen, grid, poses=poses)
+        # Which words there are for poses, `build_map` knows.
+        built = sm.build_map(filtered.log, chosen, grid, poses=cast("Poses", poses))
         built.save(out)
         if png is not None:
             from sonarbed.reporting.pictures import draw_map

@@ -14,7 +14,7 @@ import worlds
 from sonarbed.reporting.statistics import Estimate, mean_of
 from sonarbed.studies.thesis.experiments import Experiment, Opening, WallPair
 from sonarbed.studies.thesis.free_space import NEAR_M, FreeSpace, plotted_points, score_points
-from sonarmap.mapping import NoEcho
+from sonarmap.methods.bayes.updating import NoEcho
 from sonarmap.occupancy import FREE_UP_TO, OCCUPIED_FROM
 
 __all__ = ["MODEL", "POLICIES", "Room", "Sweep", "SweepTask", "opening_shares", "swept"]
