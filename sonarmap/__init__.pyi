@@ -1,5 +1,6 @@
 from . import goodness as goodness
 from .errors import InputError as InputError
+from .exporters import export_log as export_log
 from .filters.choosing import filter as filter
 from .filters.choosing import filters as filters
 from .filters.eeruf import eeruf_accepts as eeruf_accepts

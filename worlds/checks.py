@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from shapely import Point, box
 
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, finite
 from worlds.solids import Solid
 
 __all__ = ["check_free", "check_inside", "check_names", "checked_bounds", "finite_numbers"]
@@ -19,10 +18,10 @@ def finite_numbers(place: str, values: Sequence[float], picture: str) -> tuple[f
     """Return as many finite numbers as the `picture` of them, such as ``[x, y]``, shows."""
     count = picture.count(",") + 1
     try:
-        numbers = tuple(float(value) for value in values)
-    except (TypeError, ValueError):
+        numbers = tuple(finite(place, value) for value in values)
+    except (TypeError, InputError):
         numbers = ()
-    if len(numbers) != count or not all(math.isfinite(number) for number in numbers):
+    if len(numbers) != count:
         raise InputError(f"{place}: must be {picture}, finite numbers, got {values!r}")
     return numbers
 
