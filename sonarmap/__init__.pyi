@@ -18,6 +18,7 @@ from .log import Cause as Cause
 from .log import LogTruth as LogTruth
 from .log import SonarLog as SonarLog
 from .logfile import read_log as read_log
+from .mapfile import read_map as read_map
 from .mapping import build_map as build_map
 from .mapping import grid_over as grid_over
 from .methods.bayes.models import ParameterizedModel as ParameterizedModel
