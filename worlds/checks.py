@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from shapely import Point, box
 
 from sonarmap.errors import InputError, finite
+from worlds.materials import Material
 from worlds.solids import Solid
 
-__all__ = ["check_free", "check_inside", "check_names", "checked_bounds", "finite_numbers"]
+__all__ = ["check_free", "check_inside", "check_solids", "checked_bounds", "finite_numbers"]
 
 Bounds = tuple[float, float, float, float]
 
@@ -36,10 +37,14 @@ def checked_bounds(bounds_m: Sequence[float]) -> Bounds:
     return x_min, y_min, x_max, y_max
 
 
-def check_names(solids: Sequence[Solid], places: Sequence[str]) -> None:
-    """Raise `InputError` if two solids have one name."""
+def check_solids(solids: Sequence[Solid], places: Sequence[str]) -> None:
+    """Raise `InputError` if something is no solid, is of no material, or two have one name."""
     first: dict[str, str] = {}
     for place, solid in zip(places, solids, strict=True):
+        if not isinstance(solid, Solid):
+            raise InputError(f"{place}: must be a Solid, got {solid!r}")
+        if not isinstance(solid.material, Material):
+            raise InputError(f"{place}.material: must be a Material, got {solid.material!r}")
         if solid.name in first:
             raise InputError(f"{place}.name: {solid.name!r} is already that of {first[solid.name]}")
         first[solid.name] = place

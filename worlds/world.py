@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from worlds.checks import check_free, check_inside, check_names, checked_bounds, finite_numbers
+from worlds.checks import check_free, check_inside, check_solids, checked_bounds, finite_numbers
 from worlds.faces import Faces
 from worlds.materials import Material
 from worlds.solids import Solid
@@ -128,7 +128,7 @@ class World:
         bounds = checked_bounds(bounds_m)
         pose = _pose(start)
         route = tuple(_point(f"route_m[{i}]", point) for i, point in enumerate(route_m))
-        check_names(solids, places)
+        check_solids(solids, places)
         check_inside(solids, places, bounds)
         check_free("start", (pose.x_m, pose.y_m), solids, bounds)
         for i, point in enumerate(route):

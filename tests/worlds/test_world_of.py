@@ -84,6 +84,11 @@ INF, NAN = math.inf, math.nan
         ({"route_m": [(1, 2), (NAN, 1)]}, "route_m[1]: must be [x, y], finite numbers, got (nan"),
         ({"route_m": [1, 2]}, "route_m[0]: must be [x, y], finite numbers, got 1"),
         # what holds between them
+        ({"solids": [DESK, "post"]}, "solids[1]: must be a Solid, got 'post'"),
+        (
+            {"solids": [Solid("desk", "wood", 1.0, DESK.outline)]},
+            "solids[0].material: must be a Material, got 'wood'",
+        ),
         ({"solids": [DESK, POST, DESK]}, "solids[2].name: 'desk' is already that of solids[0]"),
         (
             {"solids": [DESK, POST, DESK], "places": ["box[0]", "pillar[0]", "box[1]"]},
