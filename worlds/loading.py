@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any, overload
 
 from sonarmap.errors import InputError
 from worlds.readers import WorldReader, reader_for
@@ -12,9 +13,14 @@ from worlds.world import World
 __all__ = ["load"]
 
 
+# Two signatures, so that parameters may be given as ``**values`` and none is taken for a reader.
+@overload
+def load(name_or_path: str | Path, /, **parameters: float) -> World: ...
+@overload
 def load(
-    name_or_path: str | Path, /, *, reader: WorldReader | str | None = None, **parameters: float
-) -> World:
+    name_or_path: str | Path, /, *, reader: WorldReader | str, **parameters: float
+) -> World: ...
+def load(name_or_path: str | Path, /, *, reader: Any = None, **parameters: float) -> World:
     """Return a world.
 
     Parameters
