@@ -1,5 +1,6 @@
 from . import goodness as goodness
 from .errors import InputError as InputError
+from .exporters import export_log as export_log
 from .filters.choosing import filter as filter
 from .filters.choosing import filters as filters
 from .filters.eeruf import eeruf_accepts as eeruf_accepts
@@ -17,6 +18,7 @@ from .log import Cause as Cause
 from .log import LogTruth as LogTruth
 from .log import SonarLog as SonarLog
 from .logfile import read_log as read_log
+from .mapfile import read_map as read_map
 from .mapping import build_map as build_map
 from .mapping import grid_over as grid_over
 from .methods.bayes.models import ParameterizedModel as ParameterizedModel

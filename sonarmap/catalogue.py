@@ -9,7 +9,7 @@ from typing import Any
 
 from sonarmap.registry import Registry
 
-__all__ = ["FILTERS", "METHODS"]
+__all__ = ["EXPORTERS", "FILTERS", "IMPORTERS", "METHODS"]
 
 METHODS: Registry[Any] = Registry(
     "method",
@@ -28,4 +28,20 @@ FILTERS: Registry[Any] = Registry(
         "hsr": "sonarmap.filters.hsr:Hsr",
         "stale": "sonarmap.filters.stale:MarkStale",
     },
+)
+
+IMPORTERS: Registry[Any] = Registry(
+    "format",
+    "sonarbed.importers",
+    {
+        "udacity": "sonarmap.importers.udacity:UDACITY",
+        "aria": "sonarmap.importers.aria:ARIA",
+    },
+)
+
+# A format has the name of its files' suffix.
+EXPORTERS: Registry[Any] = Registry(
+    "format",
+    "sonarbed.exporters",
+    {"csv": "sonarmap.exporters.csv:CSV"},
 )

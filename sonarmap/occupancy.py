@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from sonarmap.errors import InputError, within
 from sonarmap.files import atomic_path, make_folder
 from sonarmap.grid import GridSpec
+from sonarmap.rosmap import FREE_THRESH, OCCUPIED_THRESH, ros_image, ros_yaml
 
 __all__ = ["FREE_UP_TO", "OCCUPIED_FROM", "P_MIN", "OccupancyMap"]
 
@@ -20,11 +21,6 @@ __all__ = ["FREE_UP_TO", "OCCUPIED_FROM", "P_MIN", "OccupancyMap"]
 OCCUPIED_FROM, FREE_UP_TO = 0.65, 0.35
 # Probabilities nearer to 0 and 1 have no finite log-odds worth adding.
 P_MIN = 1e-6
-
-# ROS map_server's own defaults. 0.196 is what makes its grey 205, (255 - 205) / 255, unknown.
-ROS_OCCUPIED_THRESH = 0.65
-ROS_FREE_THRESH = 0.196
-_ROS_GREY = {"occupied": 0, "unknown": 205, "free": 254}
 
 _NPZ, _PGM, _YAML = "map.npz", "map.pgm", "map.yaml"
 _LIMITS = ("occupied_from", "free_up_to")
@@ -253,28 +249,14 @@ class OccupancyMap:
         return layers if self.observed is None else {**layers, "observed": self.observed}
 
     def _ros_image(self) -> NDArray[np.uint8]:
-        image = np.full(self.grid.shape, _ROS_GREY["unknown"], np.uint8)
         if self._stated is None:
             # Evidence that does not say what it observed: map_server's own, narrower limits.
-            image[self.probability > ROS_OCCUPIED_THRESH] = _ROS_GREY["occupied"]
-            image[self.probability < ROS_FREE_THRESH] = _ROS_GREY["free"]
-        else:
-            image[self.occupied] = _ROS_GREY["occupied"]
-            image[self.free] = _ROS_GREY["free"]
-        # An image's first row is the top one, a grid's is the bottom one.
-        return image[::-1]
+            p = self.probability
+            return ros_image(p > OCCUPIED_THRESH, p < FREE_THRESH)
+        return ros_image(self.occupied, self.free)
 
     def _ros_yaml(self) -> str:
-        x_m, y_m = self.grid.origin_xy_m
-        return (
-            f"image: {_PGM}\n"
-            "mode: trinary\n"
-            f"resolution: {self.grid.resolution_m!r}\n"
-            f"origin: [{x_m!r}, {y_m!r}, 0.0]\n"
-            "negate: 0\n"
-            f"occupied_thresh: {ROS_OCCUPIED_THRESH}\n"
-            f"free_thresh: {ROS_FREE_THRESH}\n"
-        )
+        return ros_yaml(self.grid, _PGM)
 
 
 def _column(name: str, values: ArrayLike, grid: GridSpec) -> NDArray[np.float64]:

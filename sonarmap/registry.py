@@ -56,6 +56,11 @@ class Registry(Mapping[str, Part], Generic[Part]):
     def __contains__(self, name: object) -> bool:
         return name in self._shipped or name in self._installed()
 
+    @property
+    def shipped(self) -> tuple[str, ...]:
+        """Names of the parts that ship, which may be loaded without running anyone else's code."""
+        return tuple(self._shipped)
+
     def find(self, name: str) -> Part:
         """Return the part called `name`, or the object that ``package.module:Name`` imports.
 

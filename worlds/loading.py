@@ -1,52 +1,56 @@
-"""`load`: from a world file, or the name of a shipped room, to a `World`."""
+"""`load`: from a file, or the name of a shipped room, to a `World`."""
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 from sonarmap.errors import InputError
-from worlds.building import build
-from worlds.rooms import label_of, path_of
-from worlds.schema import parse_world
+from worlds.readers import WorldReader, reader_for
+from worlds.rooms import label_of, place_of
 from worlds.world import World
 
 __all__ = ["load"]
 
 
-def load(name_or_path: str | Path, **parameters: float) -> World:
+# Two signatures, so that parameters may be given as ``**values`` and none is taken for a reader.
+@overload
+def load(name_or_path: str | Path, /, **parameters: float) -> World: ...
+@overload
+def load(
+    name_or_path: str | Path, /, *, reader: WorldReader | str, **parameters: float
+) -> World: ...
+def load(name_or_path: str | Path, /, *, reader: Any = None, **parameters: float) -> World:
     """Return a world.
 
     Parameters
     ----------
     name_or_path : str or Path
-        Name of a shipped room (see `worlds.names`) or path of a world file.
+        Name of a shipped room (see `worlds.names`) or path of a file, whose suffix picks the
+        reader (see `worlds.readers.READERS`). As text also ``package.module:Name:path``, a path
+        with the reader to read it by, wherever a command takes a world.
+    reader : callable or str, optional
+        What reads the file in place of the reader of its suffix: a callable
+        ``(path, **parameters) -> World``, or ``package.module:Name`` of one.
     **parameters : float
         Parameters of the room to set, such as ``gap_m=0.6``.
 
     Raises
     ------
     InputError
-        If the room is unknown, the file cannot be read, or something in it breaks a rule; the
-        message names the file, the key and the rule.
+        If the room is unknown, no reader knows the suffix, the file cannot be read, or something
+        in it breaks a rule; the message names the file, the key and the rule.
     """
-    path = path_of(name_or_path)
+    place = place_of(name_or_path)
+    path = place.path
     try:
-        table, values = parse_world(_read(path), parameters)
-        return build(path.stem, table, values)
+        world = reader_for(path, place.reader if reader is None else reader)(path, **parameters)
+        if not isinstance(world, World):
+            raise InputError(f"its world reader must return a World, got {type(world).__name__}")
+        return world
+    except FileNotFoundError:
+        raise InputError(f"{label_of(path)}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{label_of(path)}: cannot be read: {error.strerror or error}") from None
     except InputError as error:
         raise InputError(f"{label_of(path)}: {error}") from None
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError("no such file") from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError("is not a world file: not UTF-8 text") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"is not TOML: {error}") from None

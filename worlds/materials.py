@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from sonarmap.errors import InputError, non_negative, within
+from sonarmap.errors import InputError, did_you_mean, non_negative, within
 
-__all__ = ["MATERIALS", "Material"]
+__all__ = ["MATERIALS", "Material", "find_material"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,3 +94,22 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
         ]
     )
 )
+
+
+def find_material(
+    material: str | Material, own: Mapping[str, Material] = MappingProxyType({})
+) -> Material:
+    """Return a material by its name, one of a room's own before a preset; or the material given.
+
+    Raises
+    ------
+    InputError
+        If there is no such material; the message starts with ``material:``.
+    """
+    if isinstance(material, Material):
+        return material
+    known = {**MATERIALS, **own}
+    if not isinstance(material, str) or material not in known:
+        hint = did_you_mean(str(material), known)
+        raise InputError(f"material: unknown material {material!r}{hint}")
+    return known[material]

@@ -11,7 +11,7 @@ from shapely import LineString, Polygon
 
 from sonarmap.errors import InputError
 
-__all__ = ["box_outline", "pillar_outline", "wall_outline"]
+__all__ = ["Point", "box_outline", "pillar_outline", "polygon_outline", "wall_outline"]
 
 Point = tuple[float, float]
 
@@ -76,6 +76,23 @@ def box_outline(centre_m: Point, *, length_m: float, width_m: float, heading_rad
 def pillar_outline(centre_m: Point, *, radius_m: float) -> Polygon:
     """Return a polygon inscribed in the circle of a pillar."""
     outline: Polygon = shapely.Point(centre_m).buffer(radius_m, quad_segs=_QUARTER_SEGMENTS)
+    return outline
+
+
+def polygon_outline(points_m: Sequence[Point], holes_m: Sequence[Sequence[Point]]) -> Polygon:
+    """Return the polygon of `points_m`, less those of `holes_m`.
+
+    Raises
+    ------
+    InputError
+        If a ring has too few points or crosses itself, or a hole is not wholly inside.
+    """
+    for points in (points_m, *holes_m):
+        if len(points) < 3:
+            raise InputError(f"points_m: a polygon needs at least 3 points, got {len(points)}")
+    outline = Polygon(points_m, holes_m)
+    if not outline.is_valid or outline.area == 0:
+        raise InputError(f"points_m: no polygon: {shapely.is_valid_reason(outline)}")
     return outline
 
 

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from sonarmap.grid import GridSpec
-from worlds.world import Solid
+from worlds.solids import Solid
 
 __all__ = ["INSET_M", "touched_cells"]
 

@@ -125,18 +125,28 @@ def truth(world: World, grid: GridSpec | None = None, *, resolution_m: float = 0
     world : World
         The room.
     grid : GridSpec, optional
-        The cells. None: the smallest grid of `resolution_m` cells over the world's bounds.
+        The cells. None: the smallest grid of `resolution_m` cells over the world's bounds. A grid
+        over a part of the room that lacks the start, such as that of a map that was cut out, is
+        judged as a part of a grid over the whole room.
     resolution_m : float
         Side of a cell in metres when no grid is given.
 
     Raises
     ------
     InputError
-        If the robot's start is not a free cell of the grid: it lies outside, or the cells are
-        so coarse that a solid shares its cell.
+        If the grid lies wholly outside of the world's bounds, or its cells are so coarse that a
+        solid shares the cell of the robot's start.
     """
     if grid is None:
         grid = GridSpec.covering(*world.bounds_m, resolution_m)
+    if grid.contains(*_start_cell(world, grid)):
+        return TruthGrid(grid, _states(world, grid), world.faces)
+    whole, window = _over_room(world, grid)
+    return TruthGrid(grid, _states(world, whole)[window].copy(), world.faces)
+
+
+def _states(world: World, grid: GridSpec) -> NDArray[np.uint8]:
+    """Return the state of each cell of a grid that holds the start."""
     touched = np.zeros(grid.shape, dtype=bool)
     for solid in world.solids:
         touched[touched_cells(solid, grid)] = True
@@ -144,16 +154,43 @@ def truth(world: World, grid: GridSpec | None = None, *, resolution_m: float = 0
     state = np.full(grid.shape, HIDDEN, dtype=np.uint8)
     state[touched & binary_dilation(free, _EIGHT_NEIGHBOURS)] = OCCUPIED
     state[free] = FREE
-    return TruthGrid(grid, state, world.faces)
+    return state
+
+
+def _over_room(world: World, grid: GridSpec) -> tuple[GridSpec, tuple[slice, slice]]:
+    """Return a grid grown, cell by cell, over the whole room, and where in it the old one lies."""
+    x_min, y_min, x_max, y_max = world.bounds_m
+    rows, cols = grid.cell_of([x_min, x_max, world.start.x_m], [y_min, y_max, world.start.y_m])
+    bottom, top = int(rows.min()), int(rows.max())
+    left, right = int(cols.min()), int(cols.max())
+    if top < 0 or right < 0 or bottom >= grid.rows or left >= grid.cols:
+        raise InputError(
+            f"grid must hold {_start_of(world)}, got extent_m {grid.extent_m}, "
+            f"wholly outside of the room's bounds_m {list(world.bounds_m)}"
+        )
+    below, beside = max(-bottom, 0), max(-left, 0)
+    shape = (max(top + 1, grid.rows) + below, max(right + 1, grid.cols) + beside)
+    x_m, y_m = grid.origin_xy_m
+    size = grid.resolution_m
+    whole = GridSpec(size, (x_m - beside * size, y_m - below * size), shape)
+    return whole, (slice(below, below + grid.rows), slice(beside, beside + grid.cols))
+
+
+def _start_cell(world: World, grid: GridSpec) -> tuple[int, int]:
+    row, col = grid.cell_of(world.start.x_m, world.start.y_m)
+    return int(row), int(col)
+
+
+def _start_of(world: World) -> str:
+    return f"the start [{world.start.x_m:g}, {world.start.y_m:g}] of {world.name!r}"
 
 
 def _connected(untouched: NDArray[np.bool_], world: World, grid: GridSpec) -> NDArray[np.bool_]:
-    row, col = (int(index) for index in grid.cell_of(world.start.x_m, world.start.y_m))
-    place = f"the start [{world.start.x_m:g}, {world.start.y_m:g}] of {world.name!r}"
-    if not grid.contains(row, col):
-        raise InputError(f"grid must hold {place}, got extent_m {grid.extent_m}")
+    row, col = _start_cell(world, grid)
     if not untouched[row, col]:
-        raise InputError(f"resolution_m must leave {place} a free cell, got {grid.resolution_m:g}")
+        raise InputError(
+            f"resolution_m must leave {_start_of(world)} a free cell, got {grid.resolution_m:g}"
+        )
     labels, _ = label(untouched)  # its default is the four sides
     free: NDArray[np.bool_] = labels == labels[row, col]
     return free

@@ -1,7 +1,7 @@
 """Kernel that marks the cells which cones of rays see: up to the first surface, and that too.
 
 Everything here is in cells: x counts columns and y rows from the lower-left corner of cell
-(0, 0), so that the cell of a point is its floor.
+(0, 0), a grid of cells of side 1.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sonarmap.kernels.cells import cell_index
 from worlds.facetable import FaceTable
 from worlds.raycast import face_normal, first_hit
 
@@ -64,8 +65,8 @@ def mark_visible(
 def _mark_line(seen: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float) -> None:
     """Mark every cell that the line from (x0, y0) to (x1, y1) passes through."""
     rows, cols = seen.shape
-    col, row = math.floor(x0), math.floor(y0)
-    last_col, last_row = math.floor(x1), math.floor(y1)
+    col, row = cell_index(x0, 0.0, 1.0), cell_index(y0, 0.0, 1.0)
+    last_col, last_row = cell_index(x1, 0.0, 1.0), cell_index(y1, 0.0, 1.0)
     dx, dy = x1 - x0, y1 - y0
     step_col, step_row = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
     # Share of the line at which it crosses the next column and row, and from one to the next.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import Polygon
 
+from worlds.checks import check_free, check_inside, check_solids, checked_bounds, finite_numbers
 from worlds.faces import Faces
 from worlds.materials import Material
+from worlds.solids import Solid
 
-__all__ = ["Pose", "Solid", "World"]
+__all__ = ["Pose", "World"]
 
 _QUARTER_TURN = ((0, -1), (1, 0))
 _MIRROR = ((1, 0), (0, -1))
@@ -32,34 +33,9 @@ class Pose:
     heading_rad: float
 
 
-@dataclass(frozen=True, slots=True)
-class Solid:
-    """A thing that stands in a room and sends sound back.
-
-    Parameters
-    ----------
-    name : str
-        Name of its surface, unique in the world.
-    material : Material
-        What its surface does to sound.
-    height_m : float
-        Height above the floor, metres.
-    outline : shapely.Polygon
-        Its shape seen from above. A pillar's is a polygon inscribed in its circle.
-    circle : tuple of float, optional
-        (x, y, radius) of a pillar in metres, exact; None for everything else.
-    """
-
-    name: str
-    material: Material
-    height_m: float
-    outline: Polygon
-    circle: tuple[float, float, float] | None = None
-
-
 @dataclass(frozen=True)
 class World:
-    """A known room.
+    """A known room; readers make it by `of`, which checks it.
 
     Parameters
     ----------
@@ -72,7 +48,8 @@ class World:
     route_m : tuple of (x, y)
         Way points that a driver may follow; may be empty.
     solids : tuple of Solid
-        Walls, then boxes, then pillars, each in the order of the file.
+        What stands in it; from a TOML file walls, then boxes, then pillars, each in the order of
+        the file.
     notes : mapping of str to str
         What is assumed of a number or where it comes from, by the number's place in the file,
         such as ``wall[0].thickness_m``.
@@ -93,6 +70,71 @@ class World:
     def __post_init__(self) -> None:
         object.__setattr__(self, "notes", MappingProxyType(dict(self.notes)))
         object.__setattr__(self, "parameters", MappingProxyType(dict(self.parameters)))
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        solids: Iterable[Solid],
+        *,
+        bounds_m: Sequence[float],
+        start: Pose | Sequence[float],
+        route_m: Iterable[Sequence[float]] = (),
+        title: str | None = None,
+        source: str = "",
+        notes: Mapping[str, str] | None = None,
+        parameters: Mapping[str, float] | None = None,
+        places: Sequence[str] | None = None,
+    ) -> World:
+        """Return a world that keeps the rules of every room: what a world reader ends with.
+
+        Parameters
+        ----------
+        name : str
+            What it is called, as a rule the stem of its file.
+        solids : iterable of Solid
+            What stands in it, see `Solid.wall`, `Solid.box`, `Solid.pillar`, `Solid.polygon`.
+        bounds_m : sequence of float
+            (x_min, y_min, x_max, y_max) in metres.
+        start : Pose or sequence of float
+            Where the robot begins: (x, y, heading) in metres and radians.
+        route_m : iterable of (x, y)
+            Way points in metres.
+        title, source : str
+            A title for people, by default the name; where the room is described.
+        notes : mapping of str to str, optional
+            What is assumed of a number, by its place in the file.
+        parameters : mapping of str to float, optional
+            The values of the room's parameters.
+        places : sequence of str, optional
+            What messages call each solid, such as ``wall[0]``; by default ``solids[0]`` and on.
+
+        Raises
+        ------
+        InputError
+            If a number is not finite, the bounds are out of order, two solids have one name, one
+            lies wholly outside of the bounds, or the start or a way point lies outside of them or
+            inside of a solid; the message is ``place: rule``.
+
+        Examples
+        --------
+        >>> box = Solid.box("desk", (2, 1), (1.6, 0.8), height_m=0.7, material="wood")
+        >>> World.of("my room", [box], bounds_m=(0, 0, 4, 3), start=(1, 2, 0)).title
+        'my room'
+        """
+        solids = tuple(solids)
+        if places is None:
+            places = [f"solids[{i}]" for i in range(len(solids))]
+        bounds = checked_bounds(bounds_m)
+        pose = _pose(start)
+        route = tuple(_point(f"route_m[{i}]", point) for i, point in enumerate(route_m))
+        check_solids(solids, places)
+        check_inside(solids, places, bounds)
+        check_free("start", (pose.x_m, pose.y_m), solids, bounds)
+        for i, point in enumerate(route):
+            check_free(f"route_m[{i}]", point, solids, bounds)
+        title = name if title is None else title
+        return cls(name, title, source, bounds, pose, route, solids, notes or {}, parameters or {})
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A mapping proxy does not pickle, and a world must reach the processes of a parallel run.
@@ -186,3 +228,13 @@ class World:
             route_m=tuple(moved(*point) for point in self.route_m),
             solids=tuple(moved_solid(solid) for solid in self.solids),
         )
+
+
+def _pose(start: Pose | Sequence[float]) -> Pose:
+    values = (start.x_m, start.y_m, start.heading_rad) if isinstance(start, Pose) else start
+    return Pose(*finite_numbers("start", values, "[x, y, heading]"))
+
+
+def _point(place: str, values: Sequence[float]) -> tuple[float, float]:
+    x_m, y_m = finite_numbers(place, values, "[x, y]")
+    return x_m, y_m

@@ -15,6 +15,7 @@ from typer.exceptions import TyperException
 
 from sonarbed.commands.acoustics import acoustics
 from sonarbed.commands.demo import demo
+from sonarbed.commands.exporting import export
 from sonarbed.commands.filtering import filter_
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
@@ -47,6 +48,7 @@ app.command()(demo)
 app.command()(worlds)
 app.command()(simulate)
 app.command("import")(import_)
+app.command()(export)
 app.command("filter")(filter_)
 app.command()(hsr)
 app.command("map")(map_)

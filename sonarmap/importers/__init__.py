@@ -1,25 +1,41 @@
-"""Readers of logs that real robots wrote; a new format is one module here and one line below."""
+"""Importers of logs that real robots wrote, one file a format.
+
+An importer is a callable ``(paths, ring) -> SonarLog``. One that ships is a module here and a line
+in `sonarmap.catalogue`. An installed package adds its own by an entry point::
+
+    [project.entry-points."sonarbed.importers"]
+    my-robot = "my_package.log:read_my_robot"
+
+and any other is used without registration, as the callable or as ``package.module:Name``.
+
+Nothing heavy is loaded before a log is read, so that help can say which files a format wants.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from sonarmap.errors import InputError, did_you_mean
+from sonarmap.catalogue import IMPORTERS
+from sonarmap.errors import InputError
 from sonarmap.importers.aria import read_aria
+from sonarmap.importers.protocol import FileImporter, Importer
 from sonarmap.importers.udacity import read_udacity
-from sonarmap.log import SonarLog
-from sonarmap.rings import SonarRing
 
-__all__ = ["FORMATS", "Importer", "import_log", "read_aria", "read_udacity"]
+if TYPE_CHECKING:
+    from sonarmap.log import SonarLog
+    from sonarmap.rings import SonarRing
 
-Importer = Callable[[Sequence[str | Path], SonarRing | None], SonarLog]
+__all__ = ["FORMATS", "FileImporter", "Importer", "import_log", "read_aria", "read_udacity"]
+
+FORMATS = IMPORTERS
+"""The importers by the name of their format."""
 
 
 def import_log(
     paths: Sequence[str | Path],
-    format: str,  # noqa: A002 - the word of the command line
+    format: str | Importer,  # noqa: A002 - the word of the command line
     ring: SonarRing | None = None,
 ) -> SonarLog:
     """Read a log that a real robot wrote.
@@ -28,8 +44,9 @@ def import_log(
     ----------
     paths : sequence of str or Path
         The files of the log, as many and in the order that the format asks for.
-    format : str
-        A name in `FORMATS`.
+    format : str or callable
+        A name in `FORMATS`, ``package.module:Name`` of an importer, or an importer of one's own:
+        any callable ``(paths, ring) -> SonarLog``.
     ring : SonarRing, optional
         The robot's sonars. "udacity" knows its own; "aria" must be told.
 
@@ -44,30 +61,13 @@ def import_log(
         If the format is unknown, the number of files is not the format's, or a file breaks a
         rule; the message names the file, the line and the column.
     """
-    if format not in FORMATS:
-        raise InputError(f"format {format!r} is unknown{did_you_mean(format, FORMATS)}")
-    return FORMATS[format](paths, ring)
+    from sonarmap.log import SonarLog  # numpy is loaded when a log is read
 
-
-def _udacity(paths: Sequence[str | Path], ring: SonarRing | None) -> SonarLog:
-    measurements, poses = _files("udacity", paths, "measurement.txt", "poses.txt")
-    return read_udacity(measurements, poses, ring)
-
-
-def _aria(paths: Sequence[str | Path], ring: SonarRing | None) -> SonarLog:
-    (table,) = _files("aria", paths, "a CSV table")
-    if ring is None:
-        raise InputError("format 'aria' needs the ring of the robot, e.g. 'amigobot-aria'")
-    return read_aria(table, ring)
-
-
-def _files(name: str, paths: Sequence[str | Path], *wanted: str) -> Sequence[str | Path]:
-    if len(paths) != len(wanted):
-        raise InputError(
-            f"format {name!r} must get {len(wanted)} file{'s'[: len(wanted) - 1]} "
-            f"({', '.join(wanted)}), got {len(paths)}"
-        )
-    return paths
-
-
-FORMATS: Mapping[str, Importer] = MappingProxyType({"udacity": _udacity, "aria": _aria})
+    importer = FORMATS.find(format) if isinstance(format, str) else format
+    if not callable(importer):
+        raise InputError(f"format must be callable with (paths, ring), got {importer!r}")
+    log = importer(paths, ring)
+    if not isinstance(log, SonarLog):
+        label = format if isinstance(format, str) else getattr(format, "__name__", format)
+        raise InputError(f"format {label!r} must return a SonarLog, got {type(log).__name__}")
+    return log

@@ -5,15 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from sonarmap.errors import InputError, did_you_mean, positive
-from sonarmap.importers.table import Table, csv_rows, log_of, ranges_m, unwrapped_rad
-from sonarmap.log import SonarLog
-from sonarmap.rings import SonarRing
+from sonarmap.importers.protocol import FileImporter
 
-__all__ = ["read_aria"]
+if TYPE_CHECKING:
+    from sonarmap.log import SonarLog
+    from sonarmap.rings import SonarRing
+
+__all__ = ["ARIA", "read_aria"]
 
 # ARIA's ArSonarDevice reports its maximum range when it hears nothing.
 NO_ECHO_MM = 5000
@@ -50,6 +51,10 @@ def read_aria(
     InputError
         If the file breaks a rule. Unknown columns do, as a misspelt one would be lost unnoticed.
     """
+    import numpy as np
+
+    from sonarmap.importers.table import Table, csv_rows, log_of, ranges_m, unwrapped_rad
+
     path = Path(path)
     period_s = positive("scan_period_s", scan_period_s)
     sonars = [f"s{i}" for i in range(len(ring))]
@@ -97,3 +102,12 @@ def _check_header(
     if len(times) > 1:
         raise InputError(f"{place}: must have one column of times, got {' and '.join(times)}")
     return times[0] if times else None
+
+
+ARIA = FileImporter(
+    "aria",
+    ("a CSV table",),
+    read_aria,
+    about="of x, y, heading, s0, ...",
+    ring_needed="amigobot-aria",
+)

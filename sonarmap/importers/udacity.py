@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from sonarmap.errors import InputError
-from sonarmap.importers.table import Table, log_of, ranges_m, unwrapped_rad, word_rows
-from sonarmap.log import SonarLog
-from sonarmap.rings import SonarRing
-from sonarmap.rings import ring as ring_called
+from sonarmap.importers.protocol import FileImporter
 
-__all__ = ["read_udacity"]
+if TYPE_CHECKING:
+    from sonarmap.importers.table import Table
+    from sonarmap.log import SonarLog
+    from sonarmap.rings import SonarRing
+
+__all__ = ["UDACITY", "read_udacity"]
 
 # In RoboND-OccupancyGridMappingAlgorithm's measurement.txt a third of the readings is this.
 NO_ECHO_MM = 5110
@@ -49,6 +50,9 @@ def read_udacity(
     The original log's sonars fire one after another, and rows repeat what has not been measured
     again: see `sonarmap.mark_stale`.
     """
+    from sonarmap.importers.table import Table, log_of, ranges_m, unwrapped_rad, word_rows
+    from sonarmap.rings import ring as ring_called
+
     measurement_path, poses_path = Path(measurement_path), Path(poses_path)
     ring = ring_called("udacity8") if ring is None else ring
     sonars = [f"s{i}" for i in range(len(ring))]
@@ -72,7 +76,7 @@ def _check_in_step(readings: Table, poses: Table) -> None:
     times, pose_times = readings.column("time_ms"), poses.column("time_ms")
     differ = times[:common] != pose_times[:common]
     if differ.any():
-        row = int(np.argmax(differ))
+        row = int(differ.argmax())
         raise InputError(
             f"{poses.path}:{poses.lines[row]}: time_ms: must be that of "
             f"{readings.path}:{readings.lines[row]}, {times[row]:.15g}, "
@@ -85,3 +89,6 @@ def _check_in_step(readings: Table, poses: Table) -> None:
                 f"{shorter.path}, which ends at line {shorter.lines[-1]}, "
                 f"got {longer.column('time_ms')[common]:.15g}"
             )
+
+
+UDACITY = FileImporter("udacity", ("measurement.txt", "poses.txt"), read_udacity)

@@ -1,3 +1,4 @@
+import importlib.metadata
 import math
 from pathlib import Path
 
@@ -317,6 +318,73 @@ def test_what_import_log_refuses(paths, name, ring, message):
     with pytest.raises(sm.InputError) as error:
         sm.import_log(paths, name, ring)
     assert str(error.value) == message
+
+
+# A whole importer, as a person would write it: one range in metres a line, of one sonar.
+TOY = """
+import numpy as np
+import sonarmap as sm
+
+
+def read_toy(paths, ring):
+    range_m = np.loadtxt(paths[0], ndmin=1)
+    still = np.zeros(range_m.size)
+    steps = np.arange(range_m.size)
+    return sm.SonarLog(ring or sm.AMIGOBOT, steps, still, steps, still, still, still, range_m)
+
+
+def read_nothing(paths, ring):
+    return "nothing"
+"""
+
+
+@pytest.fixture
+def toy(tmp_path, monkeypatch):
+    """Write the importer and a file for it, and return the file's path."""
+    (tmp_path / "toy_importer.py").write_text(TOY, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    path = tmp_path / "toy.txt"
+    path.write_text("1.5\ninf\n", encoding="utf-8")
+    return path
+
+
+def test_ones_own_importer_is_a_callable_or_named_by_its_module(toy):
+    import toy_importer
+
+    for format_ in (toy_importer.read_toy, "toy_importer:read_toy"):
+        log = sm.import_log([toy], format_, PAIR)
+        assert log.ring == PAIR
+        assert log.range_m.tolist() == [1.5, INF]
+
+
+def test_an_installed_package_adds_a_format(toy, monkeypatch):
+    point = importlib.metadata.EntryPoint("toy", "toy_importer:read_toy", "sonarbed.importers")
+    monkeypatch.setattr(
+        "sonarmap.registry.entry_points",
+        lambda *, group: [point] if group == point.group else [],
+    )
+    assert list(FORMATS) == ["udacity", "aria", "toy"]
+    assert sm.import_log([toy], "toy").ring == sm.AMIGOBOT
+
+
+@pytest.mark.parametrize(
+    ("format_", "message"),
+    [
+        ("toy_importer:red_toy", "format 'toy_importer:red_toy' cannot be imported"),
+        ("toy_importer:TOY", "format 'toy_importer:TOY' cannot be imported"),
+        ("toy_importer:__name__", "format must be callable with (paths, ring), got 'toy_importer'"),
+        (
+            "toy_importer:read_nothing",
+            "format 'toy_importer:read_nothing' must return a SonarLog, got str",
+        ),
+        (lambda paths, ring: None, "format '<lambda>' must return a SonarLog, got NoneType"),
+        (3, "format must be callable with (paths, ring), got 3"),
+    ],
+)
+def test_an_importer_that_does_not_do(format_, message, toy):
+    with pytest.raises(sm.InputError) as error:
+        sm.import_log([toy], format_)
+    assert str(error.value).startswith(message)
 
 
 def test_an_imported_log_can_be_written_and_read(udacity, tmp_path):

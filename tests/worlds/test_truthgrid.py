@@ -254,6 +254,15 @@ def test_the_numbers_of_the_states():
     [
         (GridSpec(0.05, (10, 10), (5, 5)), r"grid must hold the start \[1.3, 0.706\] of 'thesis-"),
         (
+            GridSpec(0.05, (-9, 0), (50, 50)),
+            r"got extent_m \(-9.0, -6.5, 0.0, 2.5\), wholly outside of the room's bounds_m",
+        ),
+        (GridSpec(3.0, (-1, -4.1), (1, 1)), r"grid must hold the start .* wholly outside"),
+        (
+            GridSpec(3.0, (-1, 1.9), (1, 1)),
+            r"resolution_m must leave the start .* free cell, got 3",
+        ),
+        (
             GridSpec(3.0, (-1, -1), (5, 5)),
             r"resolution_m must leave the start .* a free cell, got 3",
         ),
@@ -262,6 +271,29 @@ def test_the_numbers_of_the_states():
 def test_a_grid_without_a_free_start_is_refused(grid, message):
     with pytest.raises(InputError, match=message):
         worlds.truth(worlds.load("thesis-exp1"), grid)
+
+
+# What a map may be cut out to, in cells of 10 cm: (row, col, rows, cols). The start lies elsewhere.
+CUTS = {
+    "inside": (30, 10, 20, 30),
+    "one cell": (40, 45, 1, 1),
+    "over the northern border": (60, -15, 40, 120),
+    "over the western border": (15, -30, 50, 40),
+    "more than the room, but not its south": (14, -20, 80, 140),
+}
+
+
+@pytest.mark.parametrize("cut", CUTS.values(), ids=CUTS)
+def test_a_grid_without_the_start_is_a_part_of_the_whole(cut):
+    office = worlds.load("office")
+    row, col, rows, cols = cut
+    margin = 100
+    whole = GridSpec(0.1, (-0.1 - margin * 0.1, -1.3 - margin * 0.1), (300, 300))
+    part = GridSpec(0.1, (-0.1 + col * 0.1, -1.3 + row * 0.1), (rows, cols))
+    truth = worlds.truth(office, part)
+    assert truth.grid == part
+    inside = slice(margin + row, margin + row + rows), slice(margin + col, margin + col + cols)
+    assert (truth.state == worlds.truth(office, whole).state[inside]).all()
 
 
 @pytest.mark.parametrize("resolution_m", [0.0, -0.05, float("nan")])

@@ -7,9 +7,20 @@ from typing import Annotated
 
 import typer
 
-from sonarbed.options import Json, check_writable
+from sonarbed.options import Json, check_writable, listed
+from sonarmap.catalogue import IMPORTERS
 
 __all__ = ["import_"]
+
+
+def _formats() -> str:
+    """Return the formats for help, with their files where that costs no loading of others'."""
+    return listed(_described(name) if name in IMPORTERS.shipped else name for name in IMPORTERS)
+
+
+def _described(name: str) -> str:
+    importer = IMPORTERS[name]
+    return f"{name} ({' '.join([*importer.files, importer.about]).strip()})"
 
 
 def import_(
@@ -19,7 +30,8 @@ def import_(
         str,
         typer.Option(
             "--format",
-            help="udacity (measurement.txt poses.txt) or aria (a CSV of x, y, heading, s0, ...).",
+            metavar="NAME",
+            help=f"{_formats()}, or package.module:Name of your own.",
         ),
     ],
     ring: Annotated[

@@ -17,7 +17,13 @@ __all__ = ["score"]
 
 
 def score(
-    map_: Annotated[Path, typer.Argument(metavar="MAP", help="A map's folder or its map.npz.")],
+    map_: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MAP",
+            help="A map's folder or its map.npz, or the map.yaml of any ROS map_server pair.",
+        ),
+    ],
     world: Annotated[str, typer.Option(help="The room that was mapped, or its file.")],
     log: Annotated[
         Path | None,
@@ -36,8 +42,11 @@ def score(
     import worlds
     from sonarbed.console import print_json, print_table, score_rows, working
     from sonarbed.options import load_world
+    from sonarmap.mapfile import read_map_and_notes
 
-    built = sm.OccupancyMap.load(map_)
+    built, notes = read_map_and_notes(map_)
+    for note in notes:
+        typer.echo(note, err=True)
     room = load_world(world, setting)
     drive = None if log is None else sm.read_log(log)
     if drive is not None:

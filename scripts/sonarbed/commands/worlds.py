@@ -18,7 +18,12 @@ __all__ = ["worlds"]
 
 
 def worlds(
-    name: Annotated[str | None, typer.Argument(help="A room or a world file to show.")] = None,
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="A room or a world file to show; module:reader:file with a reader of your own."
+        ),
+    ] = None,
     png: Png = None,
     setting: Setting = None,
     as_json: Json = False,

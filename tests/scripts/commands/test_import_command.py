@@ -83,6 +83,27 @@ def test_an_aria_table_becomes_a_log_and_a_map(run):
     assert sm.OccupancyMap.load("map").log_odds.any()
 
 
+def test_ones_own_importer_is_found_in_the_folder_of_the_command(run, tmp_path):
+    (tmp_path / "toy_robot.py").write_text(TOY, encoding="utf-8")
+    (tmp_path / "toy.txt").write_text("1.5\n2.5\n")
+    told = json.loads(run("import toy.txt --format toy_robot:read --out log.parquet --json"))
+    assert told["readings"] == 2
+    assert sm.read_log("log.parquet").range_m.tolist() == [1.5, 2.5]
+
+
+TOY = """
+import numpy as np
+import sonarmap as sm
+
+
+def read(paths, ring):
+    range_m = np.loadtxt(paths[0], ndmin=1)
+    still = np.zeros(range_m.size)
+    steps = np.arange(range_m.size)
+    return sm.SonarLog(ring or sm.AMIGOBOT, steps, still, steps, still, still, still, range_m)
+"""
+
+
 @pytest.mark.skipif(not REAL_LOG.exists(), reason=f"the real log is not at {REAL_LOG.parent.name}/")
 def test_the_real_corridor_is_l_shaped_with_free_space_between_two_walls(run):
     files = [REAL_LOG / "measurement.txt", REAL_LOG / "poses.txt"]

@@ -57,6 +57,29 @@ def test_a_file_of_ones_own_is_shown_and_drawn_in_spare_colours(run, tmp_path):
     assert (pixels == (0xF0, 0xE4, 0x42)).all(axis=1).sum() > 1000
 
 
+def test_a_file_is_shown_by_a_reader_of_ones_own(run, refused, tmp_path, monkeypatch):
+    (tmp_path / "toy_yard.py").write_text(YARD, encoding="utf-8")
+    (tmp_path / "yard.txt").write_text("1 2", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    told = json.loads(run("worlds toy_yard:read:yard.txt --set size_m=5 --json"))
+    assert told["bounds_m"] == [0, 0, 5, 5]
+    assert told["solids"] == [{"name": "post", "material": "metal", "height_m": 1}]
+    assert refused("worlds yard.txt") == (
+        "yard.txt: no world reader for files that end in '.txt'; known: .toml"
+    )
+
+
+YARD = """\
+from worlds import Solid, World
+
+
+def read(path, *, size_m=4.0):
+    centre_m = [float(word) for word in path.read_text().split()]
+    post = Solid.pillar("post", centre_m, 0.1, height_m=1, material="metal")
+    return World.of("yard", [post], bounds_m=(0, 0, size_m, size_m), start=(3, 3, 0))
+"""
+
+
 def test_tables_fit_a_narrow_terminal_and_are_whole_in_a_file(run, monkeypatch):
     monkeypatch.setenv("COLUMNS", "60")
     assert max(len(line) for line in run("worlds").splitlines()) <= 60

@@ -1,7 +1,7 @@
 import pytest
 
 from sonarmap import InputError
-from worlds.formulas import evaluate
+from worlds.readers.toml.formulas import evaluate
 
 PARAMETERS = {"gap_m": 0.5, "distance_m": 2.0}
 

@@ -1,7 +1,7 @@
 """The tables of a world file as pydantic models: which keys there are and what each may hold.
 
 A model checks one table by itself. What holds between tables (names, materials, the start
-among the solids) is checked in `worlds.building`.
+among the solids) is checked by `worlds.World.of`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from pydantic import (
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from sonarmap.errors import InputError, did_you_mean
-from worlds.formulas import evaluate
+from worlds.readers.toml.formulas import evaluate
 
 __all__ = [
     "BoxTable",
@@ -222,16 +222,6 @@ class WorldTable(_Table):
     pillar: tuple[PillarTable, ...] = ()
     materials: dict[str, MaterialTable] = Field(default_factory=dict)
     parameters: ParametersTable = Field(default_factory=ParametersTable)
-
-    @model_validator(mode="after")
-    def _bounds_are_in_order(self) -> WorldTable:
-        x_min, y_min, x_max, y_max = self.bounds_m
-        if x_min >= x_max or y_min >= y_max:
-            raise _fault(
-                "bounds_m",
-                f"must be [xmin, ymin, xmax, ymax] with min < max, got {list(self.bounds_m)}",
-            )
-        return self
 
 
 class _ParametersOnly(BaseModel):
