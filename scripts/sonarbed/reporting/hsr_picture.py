@@ -43,7 +43,7 @@ def draw_hsr(before: sm.SonarLog, result: sm.HsrResult, params: sm.HsrParams, pa
         The file to write.
     """
     walls = [estimate_variant_walls(log, params) for log in (before, result.log)]
-    judged = ~before.stale
+    judged = before.usable
     before, after = before.select(judged), result.log.select(judged)
     updated = result.updated[judged]
     (x_min, y_min), (x_max, y_max) = _extent_m(before)
