@@ -11,8 +11,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sonarmap.kernels.jit import njit
 
 __all__ = ["FaceTable", "face_table"]
 
@@ -128,7 +129,7 @@ def _grid_over(segments: _Floats, circles: _Floats) -> tuple[tuple[float, float,
     return (float(low[0]), float(low[1]), cell), rows, cols
 
 
-@njit(cache=True)
+@njit()
 def _list_faces(
     left: float,
     bottom: float,
@@ -167,7 +168,7 @@ def _list_faces(
     return start, faces
 
 
-@njit(cache=True)
+@njit()
 def _segment_between(segment: _Floats, low: float, high: float) -> tuple[float, float]:
     """Return the span in x of the part of a segment with low <= y <= high; (1, 0) if none."""
     x0, y0, x1, y1 = segment[0], segment[1], segment[2], segment[3]
@@ -181,7 +182,7 @@ def _segment_between(segment: _Floats, low: float, high: float) -> tuple[float, 
     return min(at_low, at_high), max(at_low, at_high)
 
 
-@njit(cache=True)
+@njit()
 def _circle_between(circle: _Floats, low: float, high: float) -> tuple[float, float]:
     """Return a span in x that holds the part of a circle with low <= y <= high; (1, 0) if none."""
     x, y, radius = circle[0], circle[1], circle[2]

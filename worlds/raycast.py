@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 
 __all__ = ["NEAREST", "OVERHANG", "cast_rays", "clearance", "face_normal", "first_hit"]
@@ -31,7 +31,7 @@ corner of two walls by a rounding error."""
 # arithmetic.
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def _meet_segment(segments: _Floats, i: int, x: float, y: float, dx: float, dy: float) -> float:
     """Return the distance at which a ray meets a segment, inf if it does not."""
     ex, ey = segments[i, 2] - segments[i, 0], segments[i, 3] - segments[i, 1]
@@ -50,7 +50,7 @@ def _meet_segment(segments: _Floats, i: int, x: float, y: float, dx: float, dy: 
     return distance if distance > NEAREST else math.inf
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def _meet_circle(circles: _Floats, i: int, x: float, y: float, dx: float, dy: float) -> float:
     """Return the distance at which a ray meets a circle, from outside or inside, or inf."""
     ax, ay = circles[i, 0] - x, circles[i, 1] - y
@@ -66,7 +66,7 @@ def _meet_circle(circles: _Floats, i: int, x: float, y: float, dx: float, dy: fl
     return distance if distance > NEAREST else math.inf
 
 
-@njit(cache=True, error_model="numpy", inline="always")
+@njit(error_model="numpy", inline="always")
 def first_hit(
     segments: _Floats,
     circles: _Floats,
@@ -145,7 +145,7 @@ def first_hit(
                 return best, face
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def face_normal(
     normals: _Floats,
     circles: _Floats,
@@ -168,7 +168,7 @@ def face_normal(
     return nx, ny
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def cast_rays(
     table: FaceTable, room: int, origins: _Floats, directions: _Floats, reach: _Floats
 ) -> tuple[_Floats, _Floats, NDArray[np.int32]]:
@@ -194,7 +194,7 @@ def cast_rays(
     return distances, against, surfaces
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def clearance(
     table: FaceTable, room: int, x: float, y: float, reach: float
 ) -> tuple[float, float, float]:
@@ -231,7 +231,7 @@ def clearance(
     return best, away_x, away_y
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _from_segment(segments: _Floats, i: int, x: float, y: float) -> tuple[float, float]:
     """Return the vector to a point from the nearest point of a segment."""
     ax, ay = x - segments[i, 0], y - segments[i, 1]

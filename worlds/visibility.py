@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sonarmap.kernels.cells import cell_index
+from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 from worlds.raycast import face_normal, first_hit
 
@@ -21,7 +21,7 @@ __all__ = ["mark_visible"]
 _Floats = NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def mark_visible(
     seen: NDArray[np.bool_],
     cones: _Floats,
@@ -61,7 +61,7 @@ def mark_visible(
             last_face = face
 
 
-@njit(cache=True)
+@njit()
 def _mark_line(seen: NDArray[np.bool_], x0: float, y0: float, x1: float, y1: float) -> None:
     """Mark every cell that the line from (x0, y0) to (x1, y1) passes through."""
     rows, cols = seen.shape

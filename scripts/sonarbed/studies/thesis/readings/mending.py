@@ -90,8 +90,8 @@ class MendingTask:
 
 def mended(task: MendingTask) -> Mending:
     """Run HSR over a drive and judge its readings."""
-    # A stale reading only repeats another, and is not judged.
-    log = task.log.select(~task.log.stale)
+    # Stale and rejected readings are not judged.
+    log = task.log.select(task.log.usable)
     truth = log.require_truth("the study of readings")
     repaired = sm.hsr(log, task.params).log
     score = sm.score_readings(log, repaired)
