@@ -11,7 +11,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from sonarmap.errors import InputError, did_you_mean, finite
 
-__all__ = ["Choice", "Real", "Space", "Whole", "from_text", "with_parameters"]
+__all__ = ["Choice", "Real", "Space", "Whole", "at_point", "from_text", "with_parameters"]
 
 Part = TypeVar("Part")
 
@@ -99,6 +99,15 @@ def with_parameters(kind: str, part: type[Part], parameters: Mapping[str, Any]) 
         raise
     except TypeError as error:
         raise InputError(f"{kind} cannot be made: {error}") from error
+
+
+def at_point(part: type[Part], point: Mapping[str, Any]) -> Part:
+    """Return the part that a point of its ``space()`` stands for.
+
+    A part whose coordinates are not its parameters has a class method ``at(point)``.
+    """
+    at = getattr(part, "at", None)
+    return part(**point) if at is None else at(point)
 
 
 def from_text(kind: str, part: type, settings: Mapping[str, str]) -> dict[str, Any]:

@@ -104,7 +104,7 @@ def tune(
             bars.update(tasks[label], completed=done, total=total)
 
         found = find(search, judges=judges, trials=trials, jobs=jobs, on_progress=show)
-        candidates = {BEST: found.best.candidate, **thesis_candidates(target, model)}
+        candidates = {BEST: found.best.candidate, **thesis_candidates(target, model, max_range)}
         everywhere = judge_in(
             search, (*settings.train, *judges), candidates, jobs=jobs, on_progress=show
         )

@@ -8,10 +8,11 @@ reading n). Without a limit on the sum the order of the readings does not matter
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
+from typing import Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +69,10 @@ class BayesUpdating(ABC):
     @abstractmethod
     def space(cls) -> Space:
         """Return what may be searched."""
+
+    def replace(self, **changes: Any) -> Self:
+        """Return the method with some parameters replaced."""
+        return dataclasses.replace(self, **changes)
 
     def longest_reading_m(self, ring: SonarRing) -> float:
         """Return the range above which a reading is taken as no echo, metres."""

@@ -9,6 +9,7 @@ import pytest
 from support import make_log, random_log
 
 import sonarmap as sm
+from sonarmap.parameters import at_point
 from sonarmap.pipeline import apply_all
 
 GRID = sm.GridSpec(0.1, (-1.5, -1.5), (30, 31))
@@ -61,7 +62,7 @@ class TestEveryFilter:
         at = getattr(kind, "at", lambda point: kind(**point))
         for end in ("low", "high"):
             point = {key: getattr(each, end) for key, each in kind.space().items()}
-            assert isinstance(at(point), kind)
+            assert isinstance(at_point(kind, point), kind)
 
 
 def test_hsr_is_the_function_with_the_thesis_setting(rng):

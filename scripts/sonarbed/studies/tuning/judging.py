@@ -120,9 +120,7 @@ def judge(
 def _scores(task: tuple[Search, DriveSpec, tuple[Candidate, ...]]) -> list[float]:
     search, spec, candidates = task
     drive, settings = search.drives.scorable(spec), search.settings
-    return [
-        score_candidate(each, drive, settings.score, settings.max_range_m) for each in candidates
-    ]
+    return [score_candidate(each, drive, settings.score) for each in candidates]
 
 
 def _as_dict(estimate: Estimate) -> dict[str, float | None]:

@@ -15,14 +15,8 @@ SCORES = MappingProxyType({"map_score": True, "f1_10_cm": True, "brier": False})
 _TEN_CM = 1  # index of the tolerance
 
 
-def score_candidate(
-    candidate: Candidate, drive: ScorableDrive, score: str, max_range_m: float | None
-) -> float:
+def score_candidate(candidate: Candidate, drive: ScorableDrive, score: str) -> float:
     """Return the score, over observable cells, of the map that a candidate makes of a drive."""
-    log, hsr = drive.log, candidate.hsr
-    # Where no reading is within the threshold there is nothing to learn from: HSR is idle.
-    if hsr is not None and ((log.range_m >= 0) & (log.range_m <= hsr.threshold_m)).any():
-        log = sm.hsr(log, hsr).log
-    built = sm.build_map(log, candidate.model, drive.truth.grid, max_range_m=max_range_m)
+    built = candidate.pipeline.map(drive.log, drive.truth.grid)
     scored = sm.score_map(built, drive.truth, observable=drive.observable)
     return scored.f1(_TEN_CM) if score == "f1_10_cm" else float(getattr(scored, score))

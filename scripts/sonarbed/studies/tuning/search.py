@@ -194,11 +194,9 @@ def _one_trial(task: tuple[Search, int, tuple[tuple[str, float], ...] | None]) -
             }
         )
         try:
-            tried = candidate(trial.params, settings.model)
+            tried = candidate(trial.params, settings.model, settings.max_range_m)
             scores = [
-                score_candidate(
-                    tried, search.drives.scorable(spec), settings.score, settings.max_range_m
-                )
+                score_candidate(tried, search.drives.scorable(spec), settings.score)
                 for spec in settings.drives(settings.train)
             ]
         except BaseException:
@@ -241,7 +239,11 @@ def _sampler(
 
 def _found(search: Search, study: optuna.Study) -> SearchResult:
     trials = tuple(
-        Trial(trial.number, candidate(trial.params, search.settings.model), float(trial.values[0]))
+        Trial(
+            trial.number,
+            candidate(trial.params, search.settings.model, search.settings.max_range_m),
+            float(trial.values[0]),
+        )
         for trial in _finished(study)
     )
     sign = 1 if search.settings.higher_is_better else -1

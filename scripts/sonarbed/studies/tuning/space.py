@@ -1,19 +1,21 @@
-"""What may be searched: ranges of parameters, and the candidate that a point of them means.
+"""What may be searched: ranges of parameters, and the pipeline that a point of them means.
 
-The ranges are a box, as every sampler wants it. Where a rule binds two parameters, the box has
-coordinates of its own: `p2_share` is P2 by its largest value, P4 - 0.5, and `wall_growth_m` is
-how much longer the longest estimated wall is than the shortest.
+The ranges are those that a method and a filter state themselves (`space`), angles in degrees. They
+are a box, as every sampler wants it; where a rule binds two parameters, the part has coordinates
+of its own and makes itself of a point (`at`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from types import MappingProxyType
 from typing import Any
 
-from sonarmap import AMIGOBOT, HsrParams, ParameterizedModel, SensorModel, StandardModel
+import sonarmap as sm
 from sonarmap.goodness import thesis_parameter_sets
+from sonarmap.parameters import Real, at_point
 
 __all__ = [
     "MODELS",
@@ -27,103 +29,91 @@ __all__ = [
 ]
 
 TARGETS = ("model", "hsr", "both")
-MODELS = ("parameterized", "standard")
-RING = AMIGOBOT
+RING = sm.AMIGOBOT
 """The ring of the simulated robot."""
 
-# P3 from 25 mm, the thesis's smallest: a region thinner than a cell of 5 cm falls between the
-# centres of cells, so that readings mark nothing and a map of no walls at all scores well.
-_MODEL_RANGES = {
-    "parameterized": {
-        "p2_share": (0.0, 1.0),
-        "p3_m": (0.025, 0.15),
-        "p4": (0.51, 0.99),
-        "p5_deg": (3.0, 40.0),
-    },
-    "standard": {
-        "tolerance_m": (0.025, 0.15),
-        "max_occupied": (0.51, 0.99),
-        "beta_deg": (3.0, 40.0),
-    },
-}
-# Below the lowest threshold no reading of a normal drive vouches for anything: HSR is off.
-_HSR_RANGES = {
-    "min_wall_m": (0.0, 0.2),
-    "wall_growth_m": (0.0, 0.4),
-    "threshold_m": (0.2, RING.range_max_m),
-    "target_distance_m": (0.0, 0.5),
-}
-# Forgets the rounding of a share that was divided out and is multiplied back.
+_METHODS = MappingProxyType({"parameterized": "bayes-parameterized", "standard": "bayes-standard"})
+MODELS = tuple(_METHODS)
+_HSR = "hsr"
+# Forgets the rounding of an angle that was turned into radians and back.
 _DIGITS = 12
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A way from a log to a map.
+    """A way from a log to a map that may be better than another.
 
     Parameters
     ----------
-    model : SensorModel
-        The sensor model.
-    hsr : HsrParams or None
-        HSR before it, or none.
+    pipeline : Pipeline
+        The way.
     """
 
-    model: SensorModel
-    hsr: HsrParams | None = None
+    pipeline: sm.Pipeline
 
     def to_dict(self) -> dict[str, Any]:
         """Return the parameters by name as JSON-able values, angles in degrees."""
-        model = self.model
-        if isinstance(model, ParameterizedModel):
-            parameters = {
-                "p1": model.p1,
-                "p2": model.p2,
-                "p3_m": model.p3_m,
-                "p4": model.p4,
-                "p5_deg": round(math.degrees(model.p5_rad), _DIGITS),
-            }
-        else:
-            assert isinstance(model, StandardModel)
-            parameters = {
-                "beta_deg": round(math.degrees(model.beta_rad), _DIGITS),
-                "max_range_m": model.max_range_m,
-                "max_occupied": model.max_occupied,
-                "tolerance_m": model.tolerance_m,
-            }
-        if self.hsr is not None:
-            names = ("min_wall_m", "max_wall_m", "threshold_m", "target_distance_m")
-            parameters |= {name: getattr(self.hsr, name) for name in names}
-        return parameters
+        method: Any = self.pipeline.method
+        parameters = asdict(method.sensor_model(RING))
+        for each in self.pipeline.filters:
+            parameters |= asdict(each)  # type: ignore[call-overload]  # a filter is a dataclass
+        return {_in_degrees(name): _degrees(name, value) for name, value in parameters.items()}
 
 
 def ranges(target: str, model: str) -> dict[str, tuple[float, float]]:
     """Return the lowest and highest value of each coordinate that a target searches."""
     searched: dict[str, tuple[float, float]] = {}
-    if target in ("model", "both"):
-        searched |= _MODEL_RANGES[model]
-    if target in ("hsr", "both"):
-        searched |= _HSR_RANGES
+    for part in _parts(target, model):
+        for name, each in part.space().items():
+            assert isinstance(each, Real), f"{name} is no real number"
+            searched[_in_degrees(name)] = _degrees(name, each.low), _degrees(name, each.high)
     return searched
 
 
-def candidate(point: Mapping[str, float], model: str) -> Candidate:
+def candidate(
+    point: Mapping[str, float], model: str, max_range_m: float | None = None
+) -> Candidate:
     """Return the candidate that a point of the search means.
 
     What is not searched is the thesis's: the sensor model when there is no coordinate of one, and
     no HSR at all when there is none of HSR.
+
+    Parameters
+    ----------
+    point : mapping of str to float
+        A value of each coordinate.
+    model : str
+        One of `MODELS`.
+    max_range_m : float, optional
+        Longer readings are taken as no echo.
     """
-    return Candidate(_model(point, model), _hsr(point) if "min_wall_m" in point else None)
+    method, hsr = sm.methods()[_METHODS[model]], sm.filters()[_HSR]
+    radians = {_in_radians(name): _radians(name, value) for name, value in point.items()}
+    own, of_hsr = (
+        {name: value for name, value in radians.items() if name in part.space()}
+        for part in (method, hsr)
+    )
+    made: Any = at_point(method, own)
+    return Candidate(
+        sm.Pipeline(
+            [at_point(hsr, of_hsr)] if of_hsr else [],
+            made if max_range_m is None else made.replace(max_range_m=max_range_m),
+        )
+    )
 
 
-def thesis_candidates(target: str, model: str) -> dict[str, Candidate]:
+def thesis_candidates(
+    target: str, model: str, max_range_m: float | None = None
+) -> dict[str, Candidate]:
     """Return what the best candidate is held against, by name."""
-    thesis = _thesis_model(model)
+    without = candidate({}, model, max_range_m)
     if target == "model":
-        return {"thesis": Candidate(thesis)}
+        return {"thesis": without}
+    closed_room = sm.HsrParams.thesis(RING)
+    hsr = sm.filter(_HSR, **asdict(closed_room))
     return {
-        "thesis": Candidate(thesis, HsrParams.thesis(RING)),
-        "no HSR": Candidate(thesis),
+        "thesis": Candidate(sm.Pipeline([hsr], without.pipeline.method)),
+        "no HSR": without,
     }
 
 
@@ -134,40 +124,30 @@ def thesis_points() -> list[dict[str, float]]:
             "p2_share": model.p2 / (model.p4 - 0.5),
             "p3_m": model.p3_m,
             "p4": model.p4,
-            "p5_deg": round(math.degrees(model.p5_rad), _DIGITS),
+            "p5_deg": _degrees("p5_rad", model.p5_rad),
         }
         for model in thesis_parameter_sets()
     ]
 
 
-def _model(point: Mapping[str, float], model: str) -> SensorModel:
-    if "p4" in point:
-        p4 = point["p4"]
-        return ParameterizedModel(
-            p1=round(1 - p4, _DIGITS),
-            p2=round(point["p2_share"] * (p4 - 0.5), _DIGITS),
-            p3_m=point["p3_m"],
-            p4=p4,
-            p5_rad=math.radians(point["p5_deg"]),
-        )
-    if "beta_deg" in point:
-        return StandardModel(
-            beta_rad=math.radians(point["beta_deg"]),
-            max_range_m=RING.range_max_m,
-            max_occupied=point["max_occupied"],
-            tolerance_m=point["tolerance_m"],
-        )
-    return _thesis_model(model)
+def _parts(target: str, model: str) -> list[Any]:
+    """Return the classes of what a target searches."""
+    method = [sm.methods()[_METHODS[model]]] if target in ("model", "both") else []
+    hsr = [sm.filters()[_HSR]] if target in ("hsr", "both") else []
+    return [*method, *hsr]
 
 
-def _thesis_model(model: str) -> SensorModel:
-    return StandardModel.thesis() if model == "standard" else ParameterizedModel.thesis()
+def _in_degrees(name: str) -> str:
+    return name.removesuffix("_rad") + "_deg" if name.endswith("_rad") else name
 
 
-def _hsr(point: Mapping[str, float]) -> HsrParams:
-    return HsrParams(
-        min_wall_m=point["min_wall_m"],
-        max_wall_m=point["min_wall_m"] + point["wall_growth_m"],
-        threshold_m=point["threshold_m"],
-        target_distance_m=point["target_distance_m"],
-    )
+def _in_radians(name: str) -> str:
+    return name.removesuffix("_deg") + "_rad" if name.endswith("_deg") else name
+
+
+def _degrees(name: str, value: Any) -> Any:
+    return round(math.degrees(value), _DIGITS) if name.endswith("_rad") else value
+
+
+def _radians(name: str, value: float) -> float:
+    return math.radians(value) if name.endswith("_deg") else value

@@ -12,6 +12,7 @@ from sonarbed.studies.tuning import search as searching
 from sonarbed.studies.tuning import settings as settings_module
 from sonarbed.studies.tuning.scoring import score_candidate
 from sonarbed.studies.tuning.search import find
+from sonarbed.studies.tuning.space import RING
 from sonarmap.errors import InputError
 from sonarmap.goodness import thesis_parameter_sets
 
@@ -76,7 +77,7 @@ def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
     assert len(set(points(found))) == 8
     best = found.best
     again = [
-        score_candidate(best.candidate, search.drives.scorable(spec), "map_score", None)
+        score_candidate(best.candidate, search.drives.scorable(spec), "map_score")
         for spec in search.settings.drives(["thesis-exp1"])
     ]
     assert best.score == pytest.approx(np.mean(again), abs=1e-12)
@@ -94,7 +95,7 @@ def test_two_processes_never_make_a_set_of_the_grid_twice(folder):
     found = find(search, trials=6, jobs=2, on_progress=lambda *told: seen.append(told))
     assert seen[-1] == ("trials", 6, 6)
     found = find(search, trials=9, on_progress=ignore)
-    models = [trial.candidate.model for trial in found.trials]
+    models = [trial.candidate.pipeline.method.sensor_model(RING) for trial in found.trials]
     assert len(set(models)) == len(models) == 9
     assert set(models) <= set(thesis_parameter_sets())
 
