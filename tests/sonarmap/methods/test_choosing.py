@@ -48,7 +48,6 @@ class TestEveryMethod:
     def test_says_what_may_be_searched(self, name, rng):
         kind = sm.methods()[name]
         space = kind.space()
-        at = getattr(kind, "at", lambda point: kind(**point))
         for end in ("low", "high"):
             point = {key: getattr(each, end) for key, each in space.items()}
             assert isinstance(at_point(kind, point), kind)
