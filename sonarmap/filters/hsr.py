@@ -54,6 +54,8 @@ __all__ = [
 NO_ECHO_M = 5.0
 # A new pass must change more than this share of the first pass's count (Rashid 2006, p. 58).
 LEAST_SHARE = 0.1
+# A door of 0.8 m is sure to be seen from no farther (Rashid 2006, sections 6.2 and 6.4.2).
+OPENINGS_THRESHOLD_M = 0.8
 
 
 class Mark(IntEnum):
@@ -133,6 +135,15 @@ class HsrParams:
         """
         return cls(0.02, 0.15, ring.range_max_m, 0.06)
 
+    @classmethod
+    def thesis_openings(cls, ring: SonarRing = AMIGOBOT) -> HsrParams:
+        """Return the thesis's setting for rooms with openings: walls of 10 to 80 mm, up to 0.8 m.
+
+        Section 6.4.2 (experiment 2): longer walls close doors of 0.8 m, and only readings taken
+        nearer than that to an opening are sure to see it.
+        """
+        return cls(0.01, 0.08, min(OPENINGS_THRESHOLD_M, ring.range_max_m), 0.06)
+
 
 @dataclass(frozen=True, eq=False)
 class HsrResult:
@@ -163,19 +174,22 @@ class HsrResult:
 
 @dataclass(frozen=True)
 class Hsr:
-    """HSR as a reading filter; the defaults are the thesis's of experiment 1, `HsrParams.thesis`.
+    """HSR as a reading filter; the defaults are those of `HsrParams.thesis_openings`.
+
+    The thesis's setting of its closed room (`HsrParams.thesis`) spoils right readings and closes
+    doors wherever there are openings.
 
     Parameters
     ----------
     min_wall_m, max_wall_m, threshold_m, target_distance_m, cell_m, max_passes
-        See `HsrParams`. A `threshold_m` of None is the ring's maximum range.
+        See `HsrParams`. A `threshold_m` of None is 0.8 m, or the ring's maximum range if less.
     """
 
     name: ClassVar[str] = "hsr"
     source: ClassVar[str] = "Rashid 2006, chapter 6 and appendix A."
 
-    min_wall_m: float = 0.02
-    max_wall_m: float = 0.15
+    min_wall_m: float = 0.01
+    max_wall_m: float = 0.08
     threshold_m: float | None = None
     target_distance_m: float = 0.06
     cell_m: float = 0.01
@@ -188,7 +202,7 @@ class Hsr:
         """Return the parameters for a ring."""
         chosen = asdict(self)
         if self.threshold_m is None:
-            chosen["threshold_m"] = ring.range_max_m
+            chosen["threshold_m"] = min(OPENINGS_THRESHOLD_M, ring.range_max_m)
         return HsrParams(**chosen)
 
     def apply(self, log: SonarLog) -> Filtered:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +13,7 @@ from sonarmap.catalogue import FILTERS
 if TYPE_CHECKING:
     from sonarmap import Filtered, ReadingScore, SonarLog
 
-__all__ = ["check_output", "filter_", "judged_rows"]
+__all__ = ["check_output", "damage", "filter_", "judged_rows", "unused_rows"]
 
 
 def filter_(
@@ -40,6 +40,7 @@ def filter_(
     """
     import sonarmap as sm
     from sonarbed.console import print_json, print_table, say, working
+    from sonarmap.account import account_of
     from sonarmap.pipeline import apply_all
 
     check_output(log, out)
@@ -49,19 +50,16 @@ def filter_(
         made = apply_all([chosen], before)
         score = None if before.truth is None else sm.score_readings(before, made)
         made.log.write(out)
-    facts = _facts(before, made)
+    facts, account = _facts(before, made), account_of(before).to_dict()
     if as_json:
-        about = {"file": str(out), "filter": repr(chosen), **facts}
+        about = {"file": str(out), "filter": repr(chosen), "account": account, **facts}
         print_json({**about, "score": None if score is None else score.to_dict()})
         return
-    readings = facts["readings"]
-    print_table(
-        f"{chosen.name}: {log}",
-        ["readings", "number"],
-        [[name, f"{count} ({count / readings:.1%})"] for name, count in facts.items()],
-    )
+    rows = [[name.replace("_", " "), str(count)] for name, count in facts.items()]
+    print_table(f"{chosen.name}: {log}", ["readings", "number"], [*unused_rows(account), *rows])
     if score is not None:
         print_table("Readings by truth", ["readings", "wrong", "right"], judged_rows(score))
+        say(damage(score))
     say(f"Written: {out}")
 
 
@@ -77,14 +75,37 @@ def check_output(log: Path, out: Path) -> None:
 def _facts(before: SonarLog, made: Filtered) -> dict[str, int]:
     import numpy as np
 
+    used = before.usable
     return {
-        "readings": len(before),
-        "changed": int(made.changed.sum()),
-        "rejected": int((made.rejected & ~before.rejected).sum()),
-        "rejected before": int(before.rejected.sum()),
-        "doubted": int((~np.isnan(made.doubt)).sum()),
-        "stale": int(made.log.stale.sum()),
+        "readings": int(used.sum()),
+        "changed": int((made.changed & used).sum()),
+        "rejected": int((made.rejected & used).sum()),
+        "doubted": int((~np.isnan(made.doubt) & used).sum()),
+        "marked_stale": int((made.log.stale & used).sum()),
     }
+
+
+def unused_rows(account: dict[str, Any]) -> list[list[str]]:
+    """Return table rows of the readings that came in and of those that were not used."""
+    if account["used"] == account["in_log"]:
+        return []
+    return [
+        ["readings of the log", str(account["in_log"])],
+        *([f"  not used: {n.replace('_', ' ')}", str(c)] for n, c in account["unused"].items()),
+    ]
+
+
+def damage(score: ReadingScore) -> str:
+    """Return in a sentence what was mended and what was spoiled."""
+    told = score.to_dict()
+
+    def share(name: str) -> str:
+        return "-" if told[name] is None else f"{told[name]:.1%}"
+
+    return (
+        f"Of the wrong readings {share('mended_share')} were mended; "
+        f"of the right ones {share('spoiled_share')} were spoiled."
+    )
 
 
 def judged_rows(score: ReadingScore) -> list[list[str]]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sonarbed.commands.filtering import check_output, judged_rows
+from sonarbed.commands.filtering import check_output, damage, judged_rows, unused_rows
 from sonarbed.options import Json, Png, check_writable
 
 if TYPE_CHECKING:
@@ -21,13 +21,13 @@ def hsr(
     out: Annotated[Path, typer.Option(help="The updated log to write (Parquet).")],
     min_wall: Annotated[
         float, typer.Option(help="Estimated wall of the nearest reading, metres.")
-    ] = 0.02,
+    ] = 0.01,
     max_wall: Annotated[
         float, typer.Option(help="Estimated wall of the farthest reading, metres.")
-    ] = 0.15,
+    ] = 0.08,
     threshold: Annotated[
         float | None,
-        typer.Option(help="Readings up to it vouch for a wall, metres; default the ring's limit."),
+        typer.Option(help="Readings up to it vouch for a wall, metres; default 0.8."),
     ] = None,
     target_distance: Annotated[
         float, typer.Option(help="A mark this near to a data point changes nothing, metres.")
@@ -40,7 +40,8 @@ def hsr(
     """Repair the specular readings of a log with HSR, the thesis's chapter 6.
 
     A short reading vouches for a piece of wall; a longer one that would have to pass through it is
-    cut to it. The log stays as it is.
+    cut to it. The log stays as it is. The defaults are the thesis's for rooms with openings; those
+    of its closed room, --min-wall 0.02 --max-wall 0.15 --threshold 3, close doors elsewhere.
 
     Example, after `sonarbed simulate thesis-exp1 --out drive.parquet`:
 
@@ -48,17 +49,13 @@ def hsr(
     """
     import sonarmap as sm
     from sonarbed.console import print_json, print_table, say, working
+    from sonarmap.filters.hsr import Hsr
 
     check_output(log, out)
     check_writable(png, ".png")
     before = sm.read_log(log)
-    params = sm.HsrParams(
-        min_wall_m=min_wall,
-        max_wall_m=max_wall,
-        threshold_m=before.ring.range_max_m if threshold is None else threshold,
-        target_distance_m=target_distance,
-        cell_m=cell,
-        max_passes=max_passes,
+    params = Hsr(min_wall, max_wall, threshold, target_distance, cell, max_passes).params(
+        before.ring
     )
     with working("HSR"):
         result = sm.hsr(before, params)
@@ -76,6 +73,7 @@ def hsr(
     print_table(f"HSR: {log}", ["what changed", "value"], _changes(facts))
     if score is not None:
         print_table("Readings by truth", ["readings", "wrong", "right"], judged_rows(score))
+        say(damage(score))
     say(f"Written: {out}")
     if png is not None:
         say(f"Drawn: {png}")
@@ -84,11 +82,15 @@ def hsr(
 def _facts(before: SonarLog, result: HsrResult) -> dict[str, Any]:
     import numpy as np
 
+    from sonarmap.account import account_of
+
     had_echo = result.updated & np.isfinite(before.range_m)
     shortened_m = before.range_m[had_echo] - result.log.range_m[had_echo]
     return {
         "parameters": result.log.provenance["hsr"][-1],
-        "readings": len(before),
+        # Stale and rejected readings are not HSR's business; its picture shows the same ones.
+        "readings": int(before.usable.sum()),
+        "account": account_of(before).to_dict(),
         "updated": int(result.updated.sum()),
         "updated_without_echo": int((result.updated & ~had_echo).sum()),
         "updates_per_pass": list(result.updates_per_pass),
@@ -101,9 +103,11 @@ def _facts(before: SonarLog, result: HsrResult) -> dict[str, Any]:
 def _changes(facts: dict[str, Any]) -> list[list[str]]:
     passes = facts["updates_per_pass"]
     shortening_m = facts["median_shortening_m"]
+    updated, readings = facts["updated"], facts["readings"]
     rows = [
-        ["readings", str(facts["readings"])],
-        ["updated", f"{facts['updated']} ({facts['updated'] / facts['readings']:.1%})"],
+        *unused_rows(facts["account"]),
+        ["readings", str(readings)],
+        ["updated", f"{updated} ({updated / readings:.1%})" if readings else str(updated)],
         ["  of these without echo before", str(facts["updated_without_echo"])],
         ["median shortening, of echoes", "-" if shortening_m is None else f"{shortening_m:.3f} m"],
         *([f"updated in pass {n}", str(count)] for n, count in enumerate(passes, 1)),

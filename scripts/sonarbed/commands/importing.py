@@ -72,6 +72,7 @@ def import_(
         "readings": len(log),
         "seconds": round(float(log.time_s[-1] - log.time_s[0]), 3),
         "no_echo": int(np.isposinf(log.range_m).sum()),
+        "too_close": int(np.isneginf(log.range_m).sum()),
         "stale": int(log.stale.sum()),
     }
     if as_json:

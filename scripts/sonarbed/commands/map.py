@@ -100,6 +100,7 @@ def map_(
     """
     import sonarmap as sm
     from sonarbed.console import print_json, say, working
+    from sonarmap.account import account_of
     from sonarmap.mapping import grid_for
 
     check_writable(png, ".png")
@@ -125,6 +126,8 @@ def map_(
             from sonarbed.reporting.pictures import draw_map
 
             draw_map(built, filtered.log, png)
+    uses = getattr(chosen, "uses", None)
+    account = account_of(filtered.log, None if uses is None else uses(filtered.log))
     sensor_model = getattr(chosen, "sensor_model", None)
     if as_json:
         print_json(
@@ -133,6 +136,7 @@ def map_(
                 "rows": grid.rows,
                 "cols": grid.cols,
                 "resolution_m": grid.resolution_m,
+                "account": account.to_dict(),
                 "method": repr(chosen),
                 "filters": [repr(each) for each in pipeline.filters],
                 "model": None if sensor_model is None else repr(sensor_model(readings.ring)),
@@ -141,6 +145,7 @@ def map_(
         return
     name = pipeline.name if sensor_model is None else type(sensor_model(readings.ring)).__name__
     say(f"{len(readings)} readings, {name}, {grid.rows} x {grid.cols} cells")
+    say(f"{account}")
     say(f"Map: {out}/map.yaml, map.pgm (ROS map_server), map.npz")
     if png is not None:
         say(f"Drawn: {png}")

@@ -78,6 +78,10 @@ class BayesUpdating(ABC):
         """Return the range above which a reading is taken as no echo, metres."""
         return reading_limit_m(ring, self.sensor_model(ring), self.max_range_m)
 
+    def uses(self, log: SonarLog) -> NDArray[np.bool_]:
+        """Return which readings of a log say anything, shape (n,)."""
+        return _says_something(log, self.longest_reading_m(log.ring), self.no_echo)[0]
+
     def map(self, log: SonarLog, grid: GridSpec) -> OccupancyMap:
         """Return the map of a log on a grid."""
         built = self.begin(log.ring, grid)
@@ -173,14 +177,22 @@ def evidence_of(
 
     Readings above `limit_m` are taken as no echo; stale, rejected and too close ones say nothing.
     """
-    known = log.usable & (log.range_m >= 0)
-    echo = known & (log.range_m <= limit_m)
+    used, echo = _says_something(log, limit_m, no_echo)
     if no_echo == "ignore":
-        return echo, model.regions(log.range_m[echo])
-    regions = model.free_regions(np.full(int(known.sum()), limit_m))
-    heard = echo[known]
+        return used, model.regions(log.range_m[used])
+    regions = model.free_regions(np.full(int(used.sum()), limit_m))
+    heard = echo[used]
     measured = model.regions(log.range_m[echo])
     regions.border_m[heard] = measured.border_m
     regions.axis[heard] = measured.axis
     regions.edge[heard] = measured.edge
-    return known, regions
+    return used, regions
+
+
+def _says_something(
+    log: SonarLog, limit_m: float, no_echo: NoEcho
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which readings say something, and which of them by an echo."""
+    known = log.usable & (log.range_m >= 0)
+    echo = known & (log.range_m <= limit_m)
+    return (echo if no_echo == "ignore" else known), echo

@@ -33,11 +33,12 @@ def assert_is_a_picture(path):
     assert pixels.std() > 5
 
 
-def test_it_is_the_function_with_the_thesis_own_parameters(run, tmp_path):
+def test_it_is_the_function_with_the_thesis_parameters_for_openings(run, tmp_path):
     old = (tmp_path / "drive.parquet").read_bytes()
     told = json.loads(run("hsr drive.parquet --out new/hsr.parquet --json"))
     before, after = sm.read_log("drive.parquet"), sm.read_log("new/hsr.parquet")
-    result = sm.hsr(before, sm.HsrParams(0.02, 0.15, sm.AMIGOBOT.range_max_m, 0.06, 0.01, 20))
+    result = sm.hsr(before, sm.HsrParams(0.01, 0.08, 0.8, 0.06, 0.01, 20))
+    assert sm.HsrParams.thesis_openings() == sm.HsrParams(0.01, 0.08, 0.8, 0.06, 0.01, 20)
     assert sm.HsrParams.thesis() == sm.HsrParams(0.02, 0.15, 3.0, 0.06, 0.01, 20)
 
     np.testing.assert_array_equal(after.range_m, result.log.range_m)
@@ -97,7 +98,7 @@ def test_a_real_log_is_not_judged(run):
 
 
 def test_no_update_at_all_is_told(run):
-    make_log(1.0, ring=sm.AMIGOBOT).write("one.parquet")
+    make_log(0.7, ring=sm.AMIGOBOT).write("one.parquet")
     told = json.loads(run("hsr one.parquet --out hsr.parquet --json"))
     assert (told["updated"], told["median_shortening_m"]) == (0, None)
     assert told["stopped"] == "nothing changed"
@@ -166,3 +167,32 @@ def test_bad_files_are_refused_in_one_line(refused, tmp_path, line, complaint):
     before = state(tmp_path)
     assert complaint in refused(line)
     assert state(tmp_path) == before
+
+
+def test_what_is_not_used_is_counted_apart_and_the_numbers_agree(run, rng):
+    log = random_log(rng, 300, ring=sm.AMIGOBOT, truth=True)
+    told = json.loads(run("hsr drive.parquet --out hsr.parquet --json"))
+    log = sm.read_log("drive.parquet")
+    after = sm.read_log("hsr.parquet")
+    account = told["account"]
+    assert account["in_log"] == len(log) == account["used"] + sum(account["unused"].values())
+    assert account["unused"]["stale"] == log.stale.sum() > 0
+    assert account["unused"]["rejected"] == (log.rejected & ~log.stale).sum() > 0
+    assert told["readings"] == log.usable.sum() == told["score"]["counts"]["readings"]
+    # No stale or rejected reading is among the updated.
+    changed = after.range_m != log.range_m
+    assert told["updated"] == changed.sum() == (changed & log.usable).sum()
+    rows = rows_of(run("hsr drive.parquet --out hsr.parquet"))
+    assert ["readings of the log", str(len(log))] in rows
+    assert ["not used: stale", str(account["unused"]["stale"])] in rows
+    assert ["readings", str(told["readings"])] in rows
+
+
+def test_what_it_spoiled_is_said_in_a_sentence(run):
+    told = json.loads(run("hsr drive.parquet --out hsr.parquet --json"))["score"]
+    text = run("hsr drive.parquet --out hsr.parquet")
+    assert (
+        f"Of the wrong readings {told['mended_share']:.1%} were mended; of the right ones "
+        f"{told['spoiled_share']:.1%} were spoiled." in text
+    )
+    assert "spoiled" not in run("hsr real.parquet --out hsr.parquet")

@@ -44,6 +44,7 @@ def test_an_udacity_pair_becomes_a_log_with_its_repeats_marked(run):
         "readings": 16,
         "seconds": 0.25,
         "no_echo": 1,
+        "too_close": 0,
         "stale": 1,
     }
     assert log.ring == sm.ring("udacity8")

@@ -64,9 +64,9 @@ class TestEveryFilter:
             assert isinstance(at_point(kind, point), kind)
 
 
-def test_hsr_is_the_function_with_the_thesis_setting(rng):
+def test_hsr_is_the_function_with_the_thesis_setting_for_openings(rng):
     log = random_log(rng, 300, ring=sm.AMIGOBOT)
-    made, result = sm.filter("hsr").apply(log), sm.hsr(log, sm.HsrParams.thesis())
+    made, result = sm.filter("hsr").apply(log), sm.hsr(log, sm.HsrParams.thesis_openings())
     np.testing.assert_array_equal(made.log.range_m, result.log.range_m)
     np.testing.assert_array_equal(made.changed, result.updated)
     assert made.report.updates_per_pass == result.updates_per_pass
@@ -212,7 +212,7 @@ def test_anything_that_can_be_imported_is_a_filter(own_module, monkeypatch):
         (lambda: sm.filter("hsr", wall=1), "filter 'hsr' has no parameter 'wall'; .*"),
         (
             lambda: sm.filter("hsr", min_wall_m=1),
-            "min_wall_m must be <= max_wall_m, got 1.0 and 0.15",
+            "min_wall_m must be <= max_wall_m, got 1.0 and 0.08",
         ),
         (lambda: sm.filter("eeruf", tolerance_m=-1), "tolerance_m must be >= 0, got -1"),
         (lambda: sm.filter("stale", x=1), "filter 'stale' has no parameter 'x'; .*"),
