@@ -9,7 +9,7 @@ from typing import Any
 
 from sonarmap.registry import Registry
 
-__all__ = ["EXPORTERS", "FILTERS", "IMPORTERS", "METHODS"]
+__all__ = ["EXPORTERS", "FILTERS", "IMPORTERS", "METHODS", "RINGS"]
 
 METHODS: Registry[Any] = Registry(
     "method",
@@ -44,4 +44,17 @@ EXPORTERS: Registry[Any] = Registry(
     "format",
     "sonarbed.exporters",
     {"csv": "sonarmap.exporters.csv:CSV"},
+)
+
+RINGS: Registry[Any] = Registry(
+    "ring",
+    "sonarbed.rings",
+    {
+        "amigobot": "sonarmap.rings:AMIGOBOT",
+        "amigobot-aria": "sonarmap.rings:AMIGOBOT_ARIA",
+        "amigobot-h8": "sonarmap.rings:AMIGOBOT_H8",
+        "pioneer3dx": "sonarmap.rings:PIONEER_3DX",
+        "pioneer3dx-front": "sonarmap.rings:PIONEER_3DX_FRONT",
+        "udacity8": "sonarmap.rings:UDACITY_8",
+    },
 )

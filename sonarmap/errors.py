@@ -24,6 +24,7 @@ __all__ = [
     "non_negative",
     "one_of",
     "positive",
+    "resolves",
     "whole",
     "within",
 ]
@@ -78,6 +79,17 @@ def one_of(name: str, value: str, known: Iterable[str]) -> str:
     if value not in words:
         raise InputError(f"{name} {value!r} is unknown{did_you_mean(str(value), words)}")
     return value
+
+
+def resolves(resolution_m: float, width_m: float, height_m: float) -> float:
+    """Return a cell size that makes more than one cell of an area, else raise `InputError`."""
+    size_m, widest_m = positive("resolution_m", resolution_m), max(width_m, height_m)
+    if size_m >= widest_m:
+        raise InputError(
+            f"resolution_m must be less than the {widest_m:g} m that the grid shall cover, "
+            f"got {resolution_m!r}"
+        )
+    return size_m
 
 
 def did_you_mean(unknown: str, known: Iterable[str]) -> str:

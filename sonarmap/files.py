@@ -1,7 +1,8 @@
-"""Writing files so that none is ever left half-written: write beside, then rename."""
+"""Files: texts of any Unicode encoding are read; none is left half-written, but written beside."""
 
 from __future__ import annotations
 
+import codecs
 import os
 import stat
 import tempfile
@@ -11,7 +12,41 @@ from pathlib import Path
 
 from sonarmap.errors import InputError
 
-__all__ = ["atomic_path", "make_folder"]
+__all__ = ["atomic_path", "decoded", "make_folder", "read_text"]
+
+# What Notepad, PowerShell and spreadsheets put before a text, and what it means.
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+
+
+def read_text(path: str | Path) -> str:
+    """Return the text of a file in UTF-8, or in UTF-16 with its mark; a leading mark is left out.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read, or is no such text.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    try:
+        return decoded(data)
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not a text file") from None
+
+
+def decoded(data: bytes) -> str:
+    """Return the text that bytes are in UTF-8, or in UTF-16 with its mark, without that mark."""
+    encoding = next((name for mark, name in _MARKS if data.startswith(mark)), "utf-8")
+    return data.decode(encoding)
 
 
 @contextmanager

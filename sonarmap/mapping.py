@@ -9,7 +9,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sonarmap.errors import InputError, one_of
+from sonarmap.errors import InputError, one_of, resolves
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.methods.bayes.models import SensorModel
@@ -124,4 +124,5 @@ def grid_over(
         raise InputError("the log is empty: there is nothing to map")
     x_min, y_min = points.min(axis=0) - margin_m
     x_max, y_max = points.max(axis=0) + margin_m
+    resolves(resolution_m, float(x_max - x_min), float(y_max - y_min))
     return GridSpec.covering(float(x_min), float(y_min), float(x_max), float(y_max), resolution_m)

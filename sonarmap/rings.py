@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sonarmap.errors import InputError, did_you_mean, non_negative, positive
+from sonarmap.catalogue import RINGS
+from sonarmap.errors import InputError, non_negative, positive
 
 __all__ = ["AMIGOBOT", "SonarRing", "ring", "rings"]
 
@@ -117,16 +117,19 @@ class SonarRing:
 
 
 def rings() -> Mapping[str, SonarRing]:
-    """Return all presets by name."""
-    return _PRESETS
+    """Return all presets by name, those of installed packages included."""
+    return RINGS
 
 
 def ring(name: str) -> SonarRing:
-    """Return the preset called `name`, or raise `InputError` with the nearest known name."""
-    try:
-        return _PRESETS[name]
-    except KeyError:
-        raise InputError(f"ring {name!r} is unknown{did_you_mean(name, _PRESETS)}") from None
+    """Return the preset called `name`, or raise `InputError` with the nearest known name.
+
+    ``package.module:Name`` is a ring of one's own.
+    """
+    found = RINGS.find(name)
+    if not isinstance(found, SonarRing):
+        raise InputError(f"ring {name!r} must be a SonarRing, got {type(found).__name__}")
+    return found
 
 
 def _frozen_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -209,27 +212,11 @@ _PIONEER_3DX = (
 _UDACITY_8 = tuple((0.0, 0.0, deg) for deg in (-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90))
 
 # 0.165 to 3.0 m and 30 degrees: Rashid 2006, p. 56 and 58. 0.10 to 5.0 m: ARIA's sonar device.
+_ARIA_RANGES = {"range_min_m": 0.10, "range_max_m": 5.0}
 AMIGOBOT = _preset("amigobot", _AMIGOBOT_SH, full_width_deg=30, range_min_m=0.165, range_max_m=3.0)
-
-_PRESETS: Mapping[str, SonarRing] = MappingProxyType(
-    {
-        preset.name: preset
-        for preset in (
-            AMIGOBOT,
-            _preset(
-                "amigobot-aria",
-                _AMIGOBOT_ARIA,
-                full_width_deg=30,
-                range_min_m=0.10,
-                range_max_m=5.0,
-            ),
-            _preset(
-                "amigobot-h8", _AMIGOBOT_H8, full_width_deg=30, range_min_m=0.10, range_max_m=5.0
-            ),
-            _preset(
-                "pioneer3dx", _PIONEER_3DX, full_width_deg=30, range_min_m=0.10, range_max_m=5.0
-            ),
-            _preset("udacity8", _UDACITY_8, full_width_deg=20, range_min_m=0.17, range_max_m=5.0),
-        )
-    }
-)
+AMIGOBOT_ARIA = _preset("amigobot-aria", _AMIGOBOT_ARIA, full_width_deg=30, **_ARIA_RANGES)
+AMIGOBOT_H8 = _preset("amigobot-h8", _AMIGOBOT_H8, full_width_deg=30, **_ARIA_RANGES)
+PIONEER_3DX = _preset("pioneer3dx", _PIONEER_3DX, full_width_deg=30, **_ARIA_RANGES)
+# The common case: the robot without the rear array.
+PIONEER_3DX_FRONT = _preset("pioneer3dx-front", _PIONEER_3DX[:8], full_width_deg=30, **_ARIA_RANGES)
+UDACITY_8 = _preset("udacity8", _UDACITY_8, full_width_deg=20, range_min_m=0.17, range_max_m=5.0)

@@ -14,6 +14,9 @@ __all__ = ["check_free", "check_inside", "check_solids", "checked_bounds", "fini
 
 Bounds = tuple[float, float, float, float]
 
+WIDEST_M = 1000.0
+"""No room is wider: millimetres, or places of a map of the world, taken for metres. Assumed."""
+
 
 def finite_numbers(place: str, values: Sequence[float], picture: str) -> tuple[float, ...]:
     """Return as many finite numbers as the `picture` of them, such as ``[x, y]``, shows."""
@@ -34,11 +37,16 @@ def checked_bounds(bounds_m: Sequence[float]) -> Bounds:
     if x_min >= x_max or y_min >= y_max:
         got = [x_min, y_min, x_max, y_max]
         raise InputError(f"bounds_m: must be {picture} with min < max, got {got}")
+    side_m = max(x_max - x_min, y_max - y_min)
+    if side_m > WIDEST_M:
+        raise InputError(f"bounds_m: must be metres, at most {WIDEST_M:g} a side, got {side_m:g}")
     return x_min, y_min, x_max, y_max
 
 
 def check_solids(solids: Sequence[Solid], places: Sequence[str]) -> None:
     """Raise `InputError` if something is no solid, is of no material, or two have one name."""
+    if not solids:
+        raise InputError("wall: a room must have a wall, a box or a pillar, got none")
     first: dict[str, str] = {}
     for place, solid in zip(places, solids, strict=True):
         if not isinstance(solid, Solid):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, resolves
 from sonarmap.files import atomic_path
 from sonarmap.grid import GridSpec
 from worlds.faces import Faces
@@ -138,6 +138,8 @@ def truth(world: World, grid: GridSpec | None = None, *, resolution_m: float = 0
         solid shares the cell of the robot's start.
     """
     if grid is None:
+        x_min, y_min, x_max, y_max = world.bounds_m
+        resolves(resolution_m, x_max - x_min, y_max - y_min)
         grid = GridSpec.covering(*world.bounds_m, resolution_m)
     if grid.contains(*_start_cell(world, grid)):
         return TruthGrid(grid, _states(world, grid), world.faces)

@@ -72,6 +72,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED if interruption.is_said else _fail(_STOPPED, INTERRUPTED)
+    except SystemError:
+        # C code that is interrupted may leave it to others to say so.
+        if not interruption.is_said:
+            raise
+        return INTERRUPTED
     except TyperException as error:
         message = error.format_message()
         # With no arguments the help was asked for, and has been printed.

@@ -446,6 +446,11 @@ def _check(log: SonarLog, params: HsrParams) -> None:
             f"threshold_m must be <= the ring's range_max_m {log.ring.range_max_m:g}, "
             f"got {params.threshold_m!r}"
         )
+    if params.cell_m >= log.ring.range_max_m:
+        raise InputError(
+            f"cell_m must be < the ring's range_max_m {log.ring.range_max_m:g}, "
+            f"got {params.cell_m!r}"
+        )
     if not _vouching(_taking_part(log), params).any():
         raise InputError(
             f"the log must have a reading up to threshold_m {params.threshold_m!r}, got none "

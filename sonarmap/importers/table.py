@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonarmap.errors import InputError
+from sonarmap.files import read_text
 from sonarmap.log import RANGE_LIMIT_M, SonarLog
 from sonarmap.rings import SonarRing
 
@@ -19,16 +21,33 @@ __all__ = ["Table", "csv_rows", "log_of", "ranges_m", "unwrapped_rad", "word_row
 
 Rows = list[tuple[int, list[str]]]
 
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(e[+-]?\d+)?", re.IGNORECASE)
+
 
 def word_rows(path: Path) -> Rows:
     """Return (line number, words) of each line that is not blank."""
-    return _rows(path, [line.split() for line in _text(path).splitlines()])
+    return _rows(path, [line.split() for line in read_text(path).splitlines()])
 
 
 def csv_rows(path: Path) -> Rows:
-    """Return (line number, fields) of each line that is not blank; values hold no line breaks."""
-    lines = _text(path).splitlines()
-    return _rows(path, [[field.strip() for field in row] for row in csv.reader(lines)])
+    """Return (line number, fields) of each line that is not blank; values hold no line breaks.
+
+    Columns are separated by commas or, as spreadsheets write them where the comma is the decimal
+    sign, by semicolons or tabs; numbers may then have a decimal comma.
+    """
+    lines = read_text(path).splitlines()
+    header = next((line for line in lines if line.strip()), "")
+    separator = next((mark for mark in (";", "\t") if mark in header), ",")
+    rows = [[field.strip() for field in row] for row in csv.reader(lines, delimiter=separator)]
+    if separator != ",":
+        rows = [[_with_point(field) for field in row] for row in rows]
+    elif "," not in header and len(header.split()) > 1:
+        raise InputError(f"{path}: its columns must be separated by commas, semicolons or tabs")
+    return _rows(path, rows)
+
+
+def _with_point(field: str) -> str:
+    return field.replace(",", ".") if _DECIMAL_COMMA.fullmatch(field) else field
 
 
 @dataclass(frozen=True)
@@ -106,7 +125,16 @@ def ranges_m(
         range_m[(mm == no_echo_mm) | (range_m >= ring.range_max_m)] = np.inf
         range_m[range_m < ring.range_min_m] = -np.inf
         ranges.append(range_m)
-    return np.column_stack(ranges)
+    range_m = np.column_stack(ranges)
+    if (range_m == -np.inf).all():
+        # Nothing but noise at the transducers does that; a slip of units often.
+        longest = max(float(table.column(name).max()) for name in names)
+        raise InputError(
+            f"{table.path}: ranges must be in millimetres, and some of them not nearer than the "
+            f"{ring.range_min_m * 1000:g} mm of ring {ring.name!r}; the longest is {longest:g}: "
+            "metres?"
+        )
+    return range_m
 
 
 def unwrapped_rad(heading_deg: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -136,17 +164,6 @@ def log_of(
         range_m=range_m.ravel(),
         provenance=provenance,
     )
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8-sig")  # spreadsheets like to begin with a mark
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text file") from None
 
 
 def _rows(path: Path, fields: list[list[str]]) -> Rows:

@@ -439,3 +439,75 @@ def test_the_real_corridors_map_is_an_l_of_free_space_between_walls():
     # The robot drove through no wall.
     path = m.log_odds[m.grid.cell_of(log.x_m, log.y_m)]
     assert (path > 0).mean() < 0.02
+
+
+# --- as others write tables ----------------------------------------------------------------------
+
+HEADER = ["time_s", "x", "y", "heading", *(f"s{i}" for i in range(8))]
+SCANS = [
+    ["0.0", "0", "0", "0", "1200", "1450", "2310", "3020", "2950", "2200", "1400", "1250"],
+    ["0.5", "50.5", "-1.5", "1", "1190", "1440", "2280", "2970", "2900", "2190", "1390", "1260"],
+]
+
+
+def table_text(separator, *, comma=False):
+    lines = [separator.join(HEADER)]
+    for scan in SCANS:
+        lines.append(separator.join(v.replace(".", ",") if comma else v for v in scan))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.fixture
+def plain(tmp_path):
+    (tmp_path / "plain.csv").write_text(table_text(","))
+    return sm.read_aria(tmp_path / "plain.csv", sm.ring("amigobot-aria"))
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        table_text(";").encode(),
+        table_text(";", comma=True).encode(),
+        table_text("\t").encode(),
+        table_text("\t", comma=True).encode(),
+        table_text(", ").encode(),
+        ("\n" + table_text(";", comma=True)).encode("utf-16"),
+        table_text(",").encode("utf-8-sig"),
+        table_text(",").replace("\n", "\r\n").encode(),
+    ],
+)
+def test_tables_of_any_spreadsheet_are_the_same_log(data, plain, tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_bytes(data)
+    log = sm.read_aria(path, sm.ring("amigobot-aria"))
+    for name in log.DTYPES:
+        np.testing.assert_array_equal(getattr(log, name), getattr(plain, name))
+
+
+def test_a_table_in_columns_of_blanks_is_told_what_to_do(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text(table_text("  "))
+    with pytest.raises(
+        sm.InputError, match="its columns must be separated by commas, semicolons or tabs$"
+    ):
+        sm.read_aria(path, sm.ring("amigobot-aria"))
+
+
+@pytest.mark.parametrize("per_mm", [0.001, 0.01])
+def test_ranges_in_metres_are_not_all_too_close(per_mm, tmp_path):
+    path = tmp_path / "table.csv"
+    scans = [[*scan[:4], *(f"{float(v) * per_mm:g}" for v in scan[4:])] for scan in SCANS]
+    path.write_text("\n".join(",".join(row) for row in [HEADER, *scans]))
+    longest = f"{3020 * per_mm:g}"
+    with pytest.raises(
+        sm.InputError, match=rf"ranges must be in millimetres.* the longest is {longest}: metres\?$"
+    ):
+        sm.read_aria(path, sm.ring("amigobot-aria"))
+
+
+def test_a_pioneer_with_its_front_array_only(plain, tmp_path):
+    log = sm.read_aria(tmp_path / "plain.csv", sm.ring("pioneer3dx-front"))
+    front, whole = sm.ring("pioneer3dx-front"), sm.ring("pioneer3dx")
+    assert len(front) == 8
+    np.testing.assert_array_equal(front.heading_rad, whole.heading_rad[:8])
+    np.testing.assert_array_equal(log.range_m, plain.range_m)

@@ -109,13 +109,61 @@ def test_parameters_replace_their_defaults(load_text):
     assert world.solids[2].outline.bounds[1::2] == (1.0, 3.0)
 
 
-def test_a_file_may_do_without_everything_but_its_start_and_bounds(load_text):
-    world = load_text(
-        'title = "plain"\nsource = ""\nbounds_m = [0, 0, 1, 1]\n'
-        "start = { x_m = 0.5, y_m = 0.5, heading_deg = 0 }\n"
-    )
-    assert (world.solids, world.route_m, dict(world.parameters)) == ((), (), {})
+PLAIN = """
+title = "plain"
+source = ""
+bounds_m = [0, 0, 1, 1]
+start = { x_m = 0.5, y_m = 0.5, heading_deg = 0 }
+"""
+POST = """
+[[pillar]]
+name = "post"
+centre_m = [0.2, 0.2]
+radius_m = 0.05
+height_m = 1
+material = "wood"
+"""
+
+
+def test_a_file_may_do_without_everything_but_its_start_bounds_and_a_solid(load_text):
+    world = load_text(PLAIN + POST)
+    assert [solid.name for solid in world.solids] == ["post"]
+    assert (world.route_m, dict(world.parameters)) == ((), {})
     assert world.faces.segments_m.shape == (0, 4)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (PLAIN, "wall: a room must have a wall, a box or a pillar, got none"),
+        (
+            PLAIN.replace("[0, 0, 1, 1]", "[0, 0, 5000, 4000]") + POST,
+            "bounds_m: must be metres, at most 1000 a side, got 5000",
+        ),
+        (
+            PLAIN.replace("[0, 0, 1, 1]", "[-180, -1e7, 180, 1e7]") + POST,
+            "bounds_m: must be metres, at most 1000 a side, got 2e+07",
+        ),
+    ],
+)
+def test_what_cannot_be_a_room_is_refused(load_text, text, complaint):
+    with pytest.raises(InputError, match=re.escape(complaint)):
+        load_text(text)
+
+
+@pytest.mark.parametrize(
+    "encoded",
+    [
+        lambda text: b"\xef\xbb\xbf" + text.encode(),
+        lambda text: text.encode("utf-16"),
+        lambda text: b"\xfe\xff" + text.encode("utf-16-be"),
+        lambda text: text.replace("\n", "\r\n").encode(),
+    ],
+)
+def test_a_file_may_be_saved_by_notepad_or_powershell(encoded, tmp_path):
+    path = tmp_path / "room.toml"
+    path.write_bytes(encoded(PLAIN + POST))
+    assert worlds.load(path).title == "plain"
 
 
 def test_a_rooms_own_material_goes_before_a_preset_of_its_name(load_text):

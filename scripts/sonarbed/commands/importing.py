@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from sonarbed.options import Json, check_writable, listed
-from sonarmap.catalogue import IMPORTERS
+from sonarmap.catalogue import IMPORTERS, RINGS
 
 __all__ = ["import_"]
 
@@ -37,8 +37,7 @@ def import_(
     ring: Annotated[
         str | None,
         typer.Option(
-            help="The robot's sonars: amigobot, amigobot-aria, amigobot-h8, pioneer3dx or "
-            "udacity8; default the format's own, if it has one."
+            help=f"The robot's sonars: {listed(RINGS)}; default the format's own, if it has one."
         ),
     ] = None,
     keep_stale: Annotated[

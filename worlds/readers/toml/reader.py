@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from sonarmap.errors import InputError
+from sonarmap.files import decoded
 from worlds.materials import Material, find_material
 from worlds.readers.toml.schema import (
     BoxTable,
@@ -62,9 +63,11 @@ def read_toml(path: Path, /, **parameters: float) -> World:
 
 def _tables(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = decoded(path.read_bytes())
     except UnicodeDecodeError:
         raise InputError("is not a world file: not UTF-8 text") from None
+    try:
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is not TOML: {error}") from None
 
