@@ -250,7 +250,7 @@ def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surfa
     """Return (distance, normal, surface) of what PyBullet says that rays have met.
 
     A pillar is a prism for PyBullet: its own cylinders are up to 20 mm and 10 degrees off where a
-    ray grazes them, and catch rays that pass. Which body is met it tells rightly; the rest
+    ray grazes them, and catch rays that pass. Which body is met it reports correctly; the rest
     follows from the exact circle (x, y, radius; radius 0 for what is no pillar).
     """
     n = body.size

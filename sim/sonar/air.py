@@ -37,7 +37,7 @@ class Air:
         return 331.3 * math.sqrt(1 + self.temperature_c / _ZERO_C_K)
 
     def absorption_db_per_m(self, frequency_hz: float) -> float:
-        """Return what a pure tone loses on a metre of its way, decibels.
+        """Return what a pure tone loses on a metre of its path, decibels.
 
         Notes
         -----

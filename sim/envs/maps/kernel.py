@@ -1,4 +1,4 @@
-"""Compiled: the maps of many robots grow, are judged as they grow, and are seen from the robot."""
+"""Compiled: the maps of many robots grow, are scored as they grow, and are seen from the robot."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numba import njit, prange
 
+from sonarmap.kernels.cells import cell_index
 from sonarmap.kernels.fusion import cone_evidence
 from sonarmap.scores.maps import CLAMP, FREE_UP_TO
 
@@ -79,7 +80,7 @@ def _add_reading(
 
 @njit(cache=True)
 def fresh_echoes(states, limit_m):
-    """Return the ranges of what was heard in the last control step, and which of them is whose.
+    """Return the ranges of what was read in the last control step, and which of them is whose.
 
     Parameters
     ----------
@@ -182,8 +183,8 @@ def _see_patch(patch, pose, log_odds, shape, grid, cell_m):
         ahead = (0.5 * size - 0.5 - i) * cell_m
         for j in range(size):
             aside = (0.5 * size - 0.5 - j) * cell_m
-            col = math.floor((pose[0] + cos * ahead - sin * aside - grid[0]) / grid[2])
-            row = math.floor((pose[1] + sin * ahead + cos * aside - grid[1]) / grid[2])
+            col = cell_index(pose[0] + cos * ahead - sin * aside, grid[0], grid[2])
+            row = cell_index(pose[1] + sin * ahead + cos * aside, grid[1], grid[2])
             known = 0.0
             if 0 <= row < shape[0] and 0 <= col < shape[1]:
                 known = log_odds[row, col]

@@ -140,12 +140,12 @@ def meet_surfaces(
 
 
 @njit(cache=True)
-def measured(heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m):
+def measured(echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m):
     """Return what a sonar reads of an echo at a range.
 
     Parameters
     ----------
-    heard_m : float
+    echo_m : float
         Range of the echo; +inf for none.
     roughness_m : float
         Of the surface that sends it.
@@ -157,9 +157,9 @@ def measured(heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m,
     near_m, far_m, silent_m : float
         Nearest and farthest reading, and the reading of no echo.
     """
-    if math.isinf(heard_m):
+    if math.isinf(echo_m):
         return silent_m
-    reading = scale * heard_m + noise * math.hypot(noise_std_m, roughness_m)
+    reading = scale * echo_m + noise * math.hypot(noise_std_m, roughness_m)
     if quantum_m > 0.0:
         reading = np.rint(reading / quantum_m) * quantum_m
     # Noise alone must not turn an echo at the very end of the range into silence.
@@ -169,13 +169,13 @@ def measured(heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m,
 
 @njit(cache=True)
 def all_measured(
-    heard_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m
+    echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m
 ):
     """Return `measured` of k sonars; the first three parameters have shape (k,)."""
-    reading_m = np.empty(heard_m.size)
-    for k in range(heard_m.size):
+    reading_m = np.empty(echo_m.size)
+    for k in range(echo_m.size):
         reading_m[k] = measured(
-            heard_m[k],
+            echo_m[k],
             roughness_m[k],
             noise[k],
             noise_std_m,

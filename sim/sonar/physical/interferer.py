@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from sonarmap.errors import finite, positive
 
-__all__ = ["Beacon"]
+__all__ = ["Interferer"]
 
 
 @dataclass(frozen=True, slots=True)
-class Beacon:
+class Interferer:
     """Sends pulses of the sonars' frequency in all directions, again and again.
 
     Parameters

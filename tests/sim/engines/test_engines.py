@@ -99,8 +99,8 @@ def test_straight_drive_follows_kinematics(opened):
         engine.advance(0.2, 0.2, 5.0)
         pose = engine.pose
     # Speeding up costs v^2 / (2 a) of the way.
-    way_m = 0.2 * 5.0 - 0.2**2 / (2 * amigobot.ACCELERATION_MPS2)
-    assert pose.x_m == pytest.approx(way_m, abs=2e-3)
+    driven_m = 0.2 * 5.0 - 0.2**2 / (2 * amigobot.ACCELERATION_MPS2)
+    assert pose.x_m == pytest.approx(driven_m, abs=2e-3)
     assert pose.y_m == pytest.approx(0, abs=1e-3)
     assert pose.heading_rad == pytest.approx(0, abs=1e-3)
 
@@ -205,8 +205,8 @@ def test_a_robot_slides_along_a_wall_and_never_into_it(heading_deg):
     assert touched[-1]
     assert pose.x_m == pytest.approx(1 - amigobot.BODY_RADIUS_M, abs=1e-6)
     # Along the wall the speed is what the heading leaves of it.
-    way_m = 0.3 * 10 - 0.3**2 / (2 * amigobot.ACCELERATION_MPS2)
-    assert pose.y_m == pytest.approx(way_m * math.sin(math.radians(heading_deg)), abs=0.01)
+    driven_m = 0.3 * 10 - 0.3**2 / (2 * amigobot.ACCELERATION_MPS2)
+    assert pose.y_m == pytest.approx(driven_m * math.sin(math.radians(heading_deg)), abs=0.01)
     assert pose.heading_rad == pytest.approx(math.radians(heading_deg))
 
 

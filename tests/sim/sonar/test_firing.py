@@ -66,7 +66,7 @@ class InTurnCone(ConeSonar):
     def firing(self):
         return InTurn()
 
-    def ears(self, rays, world, rng):
+    def array(self, rays, world, rng):
         return _OneByOne(self, rays, world, rng)
 
 
@@ -79,7 +79,7 @@ class _OneByOne:
         heard = sonar.listen(rays, world, sensor_xy_m, axis_rad, rng)
         self.heard.append([getattr(heard, name)[list(sonars)] for name in vars(heard)])
 
-    def hear(self):
+    def detect(self):
         columns = [np.concatenate(column) for column in zip(*self.heard, strict=True)]
         self.heard = []
         return sim.Echoes(*columns)

@@ -15,17 +15,17 @@ from sim.envs.backends.compiled.fan import meet_fan
 from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
 from worlds.raycast import face_normal, first_hit
 
-__all__ = ["cone_memory", "hear_cone"]
+__all__ = ["cone_echo", "cone_memory"]
 
 # The rays of a fan are filled up to a multiple of this, see `meet_fan`.
 _WHOLE = 16
-# Mirrored rays: begin of the leg, direction, way so far, share of the amplitude that is left.
-_X, _Y, _DX, _DY, _WAY, _STRENGTH, _COLUMNS = range(7)
+# Mirrored rays: begin of the leg, direction, path so far, share of the amplitude that is left.
+_X, _Y, _DX, _DY, _PATH, _STRENGTH, _COLUMNS = range(7)
 
 
 @njit(cache=True)
 def cone_memory(rays):
-    """Return working memory of `hear_cone` for so many rays.
+    """Return working memory of `cone_echo` for so many rays.
 
     Of the fan: directions, legs and faces. Of the mirrored rays: a row each.
     """
@@ -40,11 +40,11 @@ def cone_memory(rays):
 
 
 @njit(cache=True, error_model="numpy")
-def hear_cone(
+def cone_echo(
     table, room, near, x, y, axis_rad, cos_bearing, sin_bearing, far_m, max_bounces,
     critical_cos, reflectivity, threshold, memory,
 ):  # fmt: skip
-    """Return what one transducer hears.
+    """Return the echo that one transducer detects.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def hear_cone(
 
     Returns
     -------
-    heard_m : float
+    echo_m : float
         Range of the first return, inf for none.
     surface, bounces : int
     incidence_cos : float
@@ -90,20 +90,20 @@ def hear_cone(
         for i in range(under_way):
             if bounce == 0:
                 from_x, from_y, dx, dy = x, y, fan_dx[i], fan_dy[i]
-                way_m, strength = 0.0, 1.0
+                path_m, strength = 0.0, 1.0
                 leg_m, face = fan_leg_m[i], fan_face[i]
             else:
                 from_x, from_y, dx, dy = rays[i, _X], rays[i, _Y], rays[i, _DX], rays[i, _DY]
-                way_m, strength = rays[i, _WAY], rays[i, _STRENGTH]
-                if way_m > best_m:
+                path_m, strength = rays[i, _PATH], rays[i, _STRENGTH]
+                if path_m > best_m:
                     continue
                 leg_m, face = first_hit(
                     segments, circles, grid, shape, cell_start, cell_face,
-                    room, from_x, from_y, dx, dy, best_m - way_m,
+                    room, from_x, from_y, dx, dy, best_m - path_m,
                 )  # fmt: skip
-            way_m += leg_m
+            path_m += leg_m
             # What is farther than the first return so far says nothing more.
-            if face < 0 or way_m > best_m:
+            if face < 0 or path_m > best_m:
                 continue
             surface = surfaces[face]
             strength *= reflectivity[surface]
@@ -115,8 +115,8 @@ def hear_cone(
             cos = -(dx * nx + dy * ny)
             if cos >= critical_cos[surface]:
                 # An echo from exactly the maximum range is one.
-                if way_m < best_m or (best_surface < 0 and way_m == best_m):
-                    best_m, best_surface = way_m, surface
+                if path_m < best_m or (best_surface < 0 and path_m == best_m):
+                    best_m, best_surface = path_m, surface
                     best_cos, best_bounces = cos, bounce
             elif bounce < max_bounces:
                 # The rays that go on take the place of those that are done.
@@ -125,16 +125,16 @@ def hear_cone(
                 rays[mirrored, _Y] = from_y + (leg_m * dy + OFF_SURFACE_M * ny)
                 rays[mirrored, _DX] = dx - 2 * along * nx
                 rays[mirrored, _DY] = dy - 2 * along * ny
-                rays[mirrored, _WAY], rays[mirrored, _STRENGTH] = way_m, strength
+                rays[mirrored, _PATH], rays[mirrored, _STRENGTH] = path_m, strength
                 mirrored += 1
         under_way = 0
         for i in range(mirrored):
-            if rays[i, _WAY] + OFF_SURFACE_M < best_m:
+            if rays[i, _PATH] + OFF_SURFACE_M < best_m:
                 for column in range(_COLUMNS):
                     rays[under_way, column] = rays[i, column]
                 under_way += 1
         if under_way == 0:
             break
 
-    heard_m = best_m if best_surface >= 0 else math.inf
-    return heard_m, best_surface, best_bounces, best_cos, axis_range_m, cone_range_m
+    echo_m = best_m if best_surface >= 0 else math.inf
+    return echo_m, best_surface, best_bounces, best_cos, axis_range_m, cone_range_m

@@ -1,4 +1,4 @@
-"""The compiled control step of many robots with simple cones: drive, reckon, fire, hear.
+"""The compiled control step of many robots with simple cones: drive, reckon, fire, read.
 
 It calls what the engine `segments` and `sim.ConeSonar` are made of, robot by robot, so that a
 batch does what one robot does, to the last bit.
@@ -11,13 +11,13 @@ import math
 import numpy as np
 from numba import njit, prange
 
-from sim.envs.backends.compiled.cone import cone_memory, hear_cone
+from sim.envs.backends.compiled.cone import cone_echo, cone_memory
 from sim.envs.backends.compiled.fan import faces_near
 from sim.robot.amigobot import BODY_LENGTH_M, PHYSICS_DT_S, WHEEL_RADIUS_M
 from sim.robot.kinematics import drive
 from sim.robot.odometry import reckon
+from sim.sonar.causes import cause_of
 from sim.sonar.cone.kernel import measured
-from sim.sonar.protocol import cause_of
 from sonarmap import LogTruth
 
 __all__ = ["advance_alone", "advance_together", "body_dtype"]
@@ -26,7 +26,7 @@ _NO_SOURCE = int(LogTruth.NO_SOURCE)
 
 
 def body_dtype() -> np.dtype[np.void]:
-    """Return the type of what physics knows of a robot beside its state.
+    """Return the type of what the backend knows of a robot beside its state.
 
     Fields
     ------
@@ -45,7 +45,7 @@ def body_dtype() -> np.dtype[np.void]:
     threshold : float
         See `sim.sonar.cone.kernel.meet_surfaces`.
     max_bounces : int
-        How many mirrors a sound is followed over.
+        How many mirrors a sound is traced over.
     """
     pair = (2,)
     return np.dtype(
@@ -78,16 +78,16 @@ def _fire(
     table, state, body, critical_cos, reflectivity, roughness_m, mounts, cos_bearing, sin_bearing,
     noise,
 ):  # fmt: skip
-    """Let all sonars of a robot fire and hear, as `sim.ConeSonar.listen` does."""
+    """Let all sonars of a robot fire and read them, as `sim.ConeSonar.listen` does."""
     sonars = mounts.shape[0]
     x, y, heading = state.true_pose[0], state.true_pose[1], state.true_pose[2]
     cos, sin = math.cos(heading), math.sin(heading)
     memory = cone_memory(cos_bearing.size)
     # No sonar is farther from the robot's middle than its body reaches.
     near = faces_near(table, body.room, x, y, body.far_m + BODY_LENGTH_M)
-    heard_m, bounces = np.empty(sonars), np.empty(sonars, np.int16)
+    echo_m, bounces = np.empty(sonars), np.empty(sonars, np.int16)
     for k in range(sonars):
-        heard_m[k], surface, bounces[k], incidence_cos, axis_range_m, cone_range_m = hear_cone(
+        echo_m[k], surface, bounces[k], incidence_cos, axis_range_m, cone_range_m = cone_echo(
             table, body.room, near,
             x + cos * mounts[k, 0] - sin * mounts[k, 1],
             y + sin * mounts[k, 0] + cos * mounts[k, 1],
@@ -97,7 +97,7 @@ def _fire(
         )  # fmt: skip
         silent = surface < 0
         state.range_m[k] = measured(
-            heard_m[k], 0.0 if silent else roughness_m[surface], noise[k],
+            echo_m[k], 0.0 if silent else roughness_m[surface], noise[k],
             body.noise_std_m, body.scale, body.quantum_m, body.near_m, body.far_m, body.silent_m,
         )  # fmt: skip
         state.axis_range_m[k], state.cone_range_m[k] = axis_range_m, cone_range_m
@@ -110,7 +110,7 @@ def _fire(
             state.fired_true_pose[k, axis] = state.true_pose[axis]
             state.fired_pose[k, axis] = state.believed_pose[axis]
         state.fresh[k] = 1
-    cause = cause_of(heard_m, bounces, state.axis_range_m, state.cone_range_m)
+    cause = cause_of(echo_m, bounces, state.axis_range_m, state.cone_range_m)
     for k in range(sonars):
         state.cause[k] = cause[k]
 
