@@ -8,7 +8,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.envs.backends.compiled.stepping import advance_alone, advance_together, body_dtype
+from sim.envs.backends.compiled.cone import RingGeometry
+from sim.envs.backends.compiled.stepping import (
+    Draws,
+    advance_alone,
+    advance_together,
+    body_dtype,
+)
 from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.rooms import Rooms
 from sim.envs.states import new_states
@@ -47,15 +53,16 @@ class CompiledBackend:
         self.states = new_states(robots, sonars)
         self._bodies = np.zeros(robots, body_dtype())
         self._rooms = Rooms(robots)
-        self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
         half_rad = ring.half_angle_rad
         bearing_rad = np.linspace(-half_rad, half_rad, rays)
-        self._cos_bearing, self._sin_bearing = np.cos(bearing_rad), np.sin(bearing_rad)
+        mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
+        self._ring = RingGeometry(mounts, np.cos(bearing_rad), np.sin(bearing_rad))
         self._materials = np.zeros((robots, 3, 1))
         firings = math.ceil(_STEPS_AHEAD * self._steps / self._period) + 1
         self._noise = _Normals(robots, firings, sonars)
         # Of a step there is one move to each firing in it and one to its end.
         self._slip = _Normals(robots, firings + _STEPS_AHEAD, 2)
+        self._draws = Draws(self._noise.values, self._slip.values)
         # Control steps for which there are random numbers yet.
         self._ahead = np.zeros(robots, np.int64)
 
@@ -107,15 +114,12 @@ class CompiledBackend:
         rows: NDArray[np.int64] | int,
     ) -> None:
         kernel(
-            self._rooms.table,
+            tuple(self._rooms.table),
             self.states,
             self._bodies,
             self._materials,
-            self._mounts,
-            self._cos_bearing,
-            self._sin_bearing,
-            self._noise.values,
-            self._slip.values,
+            tuple(self._ring),
+            tuple(self._draws),
             wanted_mps,
             steps,
             rows,

@@ -7,15 +7,17 @@ mirrored rays one by one, none farther than the first return so far.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from sim.envs.backends.compiled.fan import meet_fan
 from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
 from worlds.raycast import face_normal, first_hit
 
-__all__ = ["cone_echo", "cone_memory"]
+__all__ = ["ConeLimits", "ConeMemory", "RingGeometry", "Surfaces", "cone_echo", "cone_memory"]
 
 # The rays of a fan are filled up to a multiple of this, see `meet_fan`.
 _WHOLE = 16
@@ -23,14 +25,69 @@ _WHOLE = 16
 _X, _Y, _DX, _DY, _PATH, _STRENGTH, _COLUMNS = range(7)
 
 
+class RingGeometry(NamedTuple):
+    """Where the sonars of a ring are, and the rays of a fan.
+
+    Parameters
+    ----------
+    mounts : ndarray, shape (sonars, 3)
+        Place and axis of each sonar in the robot's frame.
+    cos_bearing, sin_bearing : ndarray, shape (rays,)
+        Bearings of the rays off the axis, rising; the axis is in the middle.
+    """
+
+    mounts: NDArray[np.float64]
+    cos_bearing: NDArray[np.float64]
+    sin_bearing: NDArray[np.float64]
+
+
+class Surfaces(NamedTuple):
+    """What the surfaces of a room do to sound, arrays of shape (surfaces,).
+
+    Parameters
+    ----------
+    critical_cos, reflectivity : ndarray
+        See `sim.sonar.cone.kernel.Surfaces`.
+    roughness_m : ndarray
+        Of each surface, metres.
+    """
+
+    critical_cos: NDArray[np.float64]
+    reflectivity: NDArray[np.float64]
+    roughness_m: NDArray[np.float64]
+
+
+class ConeLimits(NamedTuple):
+    """How far, over how many mirrors and how weak sound is traced, see `sim.ConeSonar`."""
+
+    far_m: float
+    max_bounces: int
+    threshold: float
+
+
+class ConeMemory(NamedTuple):
+    """Working memory of `cone_echo`.
+
+    Parameters
+    ----------
+    dx, dy, leg_m, face : ndarray
+        Of the rays of the fan: direction, leg and the face met.
+    mirrored : ndarray
+        A row for each mirrored ray.
+    """
+
+    dx: NDArray[np.float64]
+    dy: NDArray[np.float64]
+    leg_m: NDArray[np.float64]
+    face: NDArray[np.int64]
+    mirrored: NDArray[np.float64]
+
+
 @njit(cache=True)
 def cone_memory(rays):
-    """Return working memory of `cone_echo` for so many rays.
-
-    Of the fan: directions, legs and faces. Of the mirrored rays: a row each.
-    """
+    """Return working memory of `cone_echo` for so many rays."""
     whole = -(-rays // _WHOLE) * _WHOLE
-    return (
+    return ConeMemory(
         np.zeros(whole),
         np.zeros(whole),
         np.empty(whole),
@@ -40,10 +97,7 @@ def cone_memory(rays):
 
 
 @njit(cache=True, error_model="numpy")
-def cone_echo(
-    table, room, near, x, y, axis_rad, cos_bearing, sin_bearing, far_m, max_bounces,
-    critical_cos, reflectivity, threshold, memory,
-):  # fmt: skip
+def cone_echo(table, room, near, sensor, ring, limits, surfaces, memory):
     """Return the echo that one transducer detects.
 
     Parameters
@@ -52,15 +106,12 @@ def cone_echo(
         The faces.
     near : ndarray of int
         Numbers of those that its rays may meet, see `sim.envs.backends.compiled.fan.faces_near`.
-    x, y, axis_rad : float
-        Place of the transducer and its axis.
-    cos_bearing, sin_bearing : ndarray, shape (rays,)
-        Bearings of the rays off the axis, rising; the axis is in the middle.
-    far_m, max_bounces, threshold
-        See `sim.ConeSonar`.
-    critical_cos, reflectivity : ndarray, shape (surfaces,)
-        What the surfaces do to sound, see `sim.sonar.cone.kernel.meet_surfaces`.
-    memory
+    sensor : tuple of float
+        Place (x, y) of the transducer and its axis.
+    ring : RingGeometry
+    limits : ConeLimits
+    surfaces : Surfaces
+    memory : ConeMemory
         From `cone_memory`.
 
     Returns
@@ -73,13 +124,15 @@ def cone_echo(
     axis_range_m, cone_range_m : float
         True ranges on the axis and of the nearest surface in the cone.
     """
-    segments, normals, circles, surfaces, _, grid, shape, cell_start, cell_face = table
+    segments, normals, circles, surface_of, _, grid, shape, cell_start, cell_face = table
     fan_dx, fan_dy, fan_leg_m, fan_face, rays = memory
+    x, y, axis_rad = sensor
+    far_m, max_bounces = limits.far_m, limits.max_bounces
     best_m, best_surface, best_cos, best_bounces = far_m, -1, math.nan, 0
-    under_way = cos_bearing.size
+    under_way = ring.cos_bearing.size
     cos_axis, sin_axis = math.cos(axis_rad), math.sin(axis_rad)
     for i in range(under_way):
-        fan_dx[i], fan_dy[i] = turned(cos_axis, sin_axis, cos_bearing[i], sin_bearing[i])
+        fan_dx[i], fan_dy[i] = turned(cos_axis, sin_axis, ring.cos_bearing[i], ring.sin_bearing[i])
     meet_fan(table, near, x, y, fan_dx, fan_dy, under_way, far_m, fan_leg_m, fan_face)
     axis_range_m, cone_range_m = fan_leg_m[under_way // 2], math.inf
     for i in range(under_way):
@@ -105,15 +158,15 @@ def cone_echo(
             # What is farther than the first return so far says nothing more.
             if face < 0 or path_m > best_m:
                 continue
-            surface = surfaces[face]
-            strength *= reflectivity[surface]
-            if strength < threshold:
+            surface = surface_of[face]
+            strength *= surfaces.reflectivity[surface]
+            if strength < limits.threshold:
                 continue
             nx, ny = face_normal(
                 normals, circles, face, from_x + leg_m * dx, from_y + leg_m * dy, dx, dy
             )
             cos = -(dx * nx + dy * ny)
-            if cos >= critical_cos[surface]:
+            if cos >= surfaces.critical_cos[surface]:
                 # An echo from exactly the maximum range is one.
                 if path_m < best_m or (best_surface < 0 and path_m == best_m):
                     best_m, best_surface = path_m, surface
