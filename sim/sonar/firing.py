@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from sim.robot.clock import check_steps
 from sonarmap import InputError
@@ -33,8 +33,7 @@ class Slot:
     sonars: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Ping:
+class Ping(NamedTuple):
     """One firing of a schedule: sonars that fire at the same time.
 
     Parameters

@@ -100,39 +100,24 @@ class ConeSonar(SimultaneousSonar):
             Draws k values of noise whatever is detected.
         """
         k, far_m = len(axis_rad), self.ring.range_max_m
-        fan, origin, direction, travelled_m, strength = open_fans(
-            sensor_xy_m, axis_rad, self._bearing_rad
-        )
+        under_way = open_fans(sensor_xy_m, axis_rad, self._bearing_rad)
 
         # First return: of each fan the ray whose sound is back first.
         echo_m = np.full(k, far_m)
         surface = np.full(k, -1, np.int32)
         incidence_rad = np.full(k, np.nan)
         bounces = np.zeros(k, np.int16)
+        first = echo_m, surface, incidence_rad, bounces
         critical_cos = np.cos(world.critical_incidence_rad)
+        surfaces = critical_cos, world.reflectivity, world.roughness_m
         for bounce in range(self.max_bounces + 1):
+            _, origin, direction, travelled_m, _ = under_way
             hits = rays.cast(origin, direction, far_m - travelled_m)
             if bounce == 0:
                 met_m = hits.distance_m.reshape(k, self.rays)
-            fan, origin, direction, travelled_m, strength = meet_surfaces(
-                fan,
-                origin,
-                direction,
-                travelled_m,
-                strength,
-                hits.distance_m,
-                hits.normal_xy,
-                hits.surface,
-                critical_cos,
-                world.reflectivity,
-                self.threshold,
-                bounce,
-                echo_m,
-                surface,
-                incidence_rad,
-                bounces,
-            )
-            if fan.size == 0:
+            met = hits.distance_m, hits.normal_xy, hits.surface
+            under_way = meet_surfaces(under_way, *met, surfaces, self.threshold, bounce, first)
+            if under_way[0].size == 0:
                 break
         echo_m[surface < 0] = np.inf
 

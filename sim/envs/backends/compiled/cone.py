@@ -17,7 +17,7 @@ from sim.envs.backends.compiled.fan import meet_fan
 from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
 from worlds.raycast import face_normal, first_hit
 
-__all__ = ["ConeLimits", "ConeMemory", "RingGeometry", "Surfaces", "cone_echo", "cone_memory"]
+__all__ = ["ConeLimits", "ConeMemory", "RingGeometry", "cone_echo", "cone_memory"]
 
 # The rays of a fan are filled up to a multiple of this, see `meet_fan`.
 _WHOLE = 16
@@ -39,22 +39,6 @@ class RingGeometry(NamedTuple):
     mounts: NDArray[np.float64]
     cos_bearing: NDArray[np.float64]
     sin_bearing: NDArray[np.float64]
-
-
-class Surfaces(NamedTuple):
-    """What the surfaces of a room do to sound, arrays of shape (surfaces,).
-
-    Parameters
-    ----------
-    critical_cos, reflectivity : ndarray
-        See `sim.sonar.cone.kernel.Surfaces`.
-    roughness_m : ndarray
-        Of each surface, metres.
-    """
-
-    critical_cos: NDArray[np.float64]
-    reflectivity: NDArray[np.float64]
-    roughness_m: NDArray[np.float64]
 
 
 class ConeLimits(NamedTuple):
@@ -110,7 +94,7 @@ def cone_echo(table, room, near, sensor, ring, limits, surfaces, memory):
         Place (x, y) of the transducer and its axis.
     ring : RingGeometry
     limits : ConeLimits
-    surfaces : Surfaces
+    surfaces : sim.sonar.cone.kernel.Surfaces
     memory : ConeMemory
         From `cone_memory`.
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from sim.envs.backends.compiled.cone import (
     ConeLimits,
     RingGeometry,
-    Surfaces,
     cone_echo,
     cone_memory,
 )
@@ -25,7 +24,7 @@ from sim.robot.amigobot import BODY_LENGTH_M, PHYSICS_DT_S, WHEEL_RADIUS_M
 from sim.robot.kinematics import drive
 from sim.robot.odometry import reckon
 from sim.sonar.causes import cause_of
-from sim.sonar.cone.kernel import measured
+from sim.sonar.cone.kernel import Surfaces, measured
 from sonarmap import LogTruth
 from worlds.facetable import FaceTable
 
@@ -201,7 +200,7 @@ def advance_together(table, states, bodies, materials, ring, draws, wanted_mps, 
     states, bodies : structured ndarray, shape (robots,)
         `sim.envs.states.robot_dtype` and `body_dtype`, changed in place.
     materials : ndarray, shape (robots, 3, surfaces)
-        The columns of `sim.envs.backends.compiled.cone.Surfaces`.
+        The fields of `sim.sonar.cone.kernel.Surfaces` of each robot.
     wanted_mps : ndarray, shape (robots, 2)
         Wanted speeds of the left and right wheel.
     steps : int
