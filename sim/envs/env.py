@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from sim.envs.episode_batch import BatchSpec, EpisodeBatch
@@ -79,7 +80,10 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     task_class: ClassVar[type[Task] | None] = None
     """The task of the robot, see `sim.envs.environments.env_class`."""
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array"], "render_fps": 10}
+    metadata: dict[str, Any] = {  # noqa: RUF012 - so declares Gymnasium
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": 10,
+    }
 
     def __init__(
         self,
@@ -111,7 +115,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
             lambda robots: self.make_task(robots, weights),
             robots=1,
         )
-        self.observation_space = self._batch.observation_space
+        self.observation_space: Space[Any] = self._batch.observation_space
         self.action_space = self._batch.action_space
         self._window: Window | None = None
         self._trail: list[tuple[float, float]] = []

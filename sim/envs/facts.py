@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from sim.robot.amigobot import BODY_RADIUS_M
@@ -148,8 +149,8 @@ class RoomFacts:
         return rows, cols
 
     @cached_property
-    def _graph(self) -> csr_array:
-        """Steps between neighbouring reachable cells and their lengths."""
+    def _graph(self) -> Any:
+        """Steps between neighbouring reachable cells and their lengths, a sparse matrix."""
         number = np.full(self.grid.shape, -1)
         number[self.reachable] = np.arange(self.reachable_cells)
         begin, end, length = [], [], []
@@ -162,13 +163,13 @@ class RoomFacts:
             length.append(np.full(both.sum(), math.hypot(down, right) * self.grid.resolution_m))
         cells = self.reachable_cells
         steps = np.concatenate(length), (np.concatenate(begin), np.concatenate(end))
-        there = coo_array(steps, shape=(cells, cells)).tocsr()
-        return there + there.T
+        one_way = coo_array(steps, shape=(cells, cells)).tocsr()
+        return one_way + one_way.T
 
     def _distance_from(self, row: int, col: int) -> NDArray[np.float32]:
         number = int(self.reachable.ravel()[: row * self.grid.cols + col].sum())
         distance_m = np.full(self.grid.shape, np.inf, np.float32)
-        distance_m[self.reachable] = dijkstra(self._graph, indices=number)
+        distance_m[self.reachable] = dijkstra(self._graph, indices=[number])[0]
         return distance_m
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -105,13 +104,13 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
         return self.logs[-1]
 
     @property
-    def _batch(self) -> Any:
-        try:
-            return self.env.unwrapped.batch
-        except AttributeError:
+    def _batch(self) -> EpisodeBatch:
+        batch = getattr(self.env.unwrapped, "batch", None)
+        if not isinstance(batch, EpisodeBatch):
             raise InputError(
                 f"RecordLog must wrap an environment of sonarbed, got {self.env.unwrapped}"
-            ) from None
+            )
+        return batch
 
     def _keep(self) -> None:
         episode, self._episode = self._episode, None
@@ -257,7 +256,7 @@ def _driven(env: gymnasium.Env[Observation, Any], policy: Policy, seed: int) -> 
     }
 
 
-def _minari() -> ModuleType:
+def _minari() -> Any:
     try:
         import minari
     except ImportError:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from gymnasium.envs.registration import register
 
 from sim.envs.tasks.registry import SHIPPED, TASKS
@@ -12,7 +14,7 @@ IDS = tuple(f"sonarbed/{name}-v0" for name in SHIPPED)
 """Ids of the environments that ship, one a task."""
 
 _CLASSES = "sim.envs.environments"
-_ANY_TASK = {
+_ANY_TASK: dict[str, Any] = {
     "entry_point": f"{_CLASSES}:task_env",
     "vector_entry_point": f"{_CLASSES}:task_vector_env",
 }

@@ -173,7 +173,7 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             raise InputError(
                 f"seed must have one number a robot, {self.num_envs}, got {len(seeds)}"
             )
-        known = self._rngs or [None] * self.num_envs
+        known: Sequence[np.random.Generator | None] = self._rngs or [None] * self.num_envs
         # As a single environment: without a seed the generator goes on.
         self._rngs = [
             rng if rng is not None and number is None else seeding.np_random(number)[0]

@@ -56,4 +56,5 @@ class Air:
             oxygen_hz + frequency_hz**2 / oxygen_hz
         ) + 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen_hz + frequency_hz**2 / nitrogen_hz)
         classical = 1.84e-11 * math.sqrt(warmth)
-        return 8.686 * frequency_hz**2 * (classical + warmth**-2.5 * relaxations)
+        loss_db: float = 8.686 * frequency_hz**2 * (classical + warmth**-2.5 * relaxations)
+        return loss_db

@@ -119,7 +119,7 @@ def follow_terms(
 
 
 @njit(cache=True)
-def _wall_beside(table, rooms, poses):
+def _wall_beside(table, rooms, poses):  # type: ignore[no-untyped-def]
     """Return how far the nearest face on the left of each robot is, inf beyond `_FARTHEST_M`."""
     segments, _, circles, _, _, grid, shape, cell_start, cell_face = table
     nearest = np.full(rooms.size, np.inf)

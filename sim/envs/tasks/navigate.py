@@ -164,7 +164,7 @@ def navigate_terms(
 
 
 @njit(cache=True)
-def _observe_goals(states, goal_m, goal):
+def _observe_goals(states, goal_m, goal):  # type: ignore[no-untyped-def]
     """Write where the goals are as the robots believe, see the environment's docstring."""
     for i in range(states.size):
         pose = states[i].believed_pose
@@ -175,7 +175,7 @@ def _observe_goals(states, goal_m, goal):
 
 
 @njit(cache=True)
-def _measure_progress(states, goal_m, distance_m, grid, arrived_m, left_m, progress_m, arrived):
+def _measure_progress(states, goal_m, distance_m, grid, arrived_m, left_m, progress_m, arrived):  # type: ignore[no-untyped-def]
     """Write how much shorter the drives have become and who is there; change what is left.
 
     Where the grid does not say how far it is, close to a wall, the drive has not changed.

@@ -44,4 +44,7 @@ class Interferer:
         """Return the times of its pulses from one time to another."""
         first = math.ceil((from_s - self.first_s) / self.period_s)
         last = math.floor((to_s - self.first_s) / self.period_s)
-        return self.first_s + self.period_s * np.arange(first, last + 1)
+        pulses_s: NDArray[np.float64] = self.first_s + self.period_s * np.arange(
+            first, last + 1, dtype=float
+        )
+        return pulses_s

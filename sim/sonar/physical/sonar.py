@@ -244,7 +244,10 @@ class PhysicalSonar:
         sent_db = np.interp(angle, np.linspace(0, math.pi, table_db.size), table_db)
         far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
         in_cone = angle <= self.ring.half_angle_rad + 1e-9
-        return np.maximum(far_m, np.where(in_cone, self.ring.range_max_m, 0.1))
+        reach_m: NDArray[np.float64] = np.maximum(
+            far_m, np.where(in_cone, self.ring.range_max_m, 0.1)
+        )
+        return reach_m
 
     @cached_property
     def _model(self) -> ArrayModel:

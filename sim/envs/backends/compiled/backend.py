@@ -113,8 +113,10 @@ class CompiledBackend:
         steps: int,
         rows: NDArray[np.int64] | int,
     ) -> None:
+        table = self._rooms.table
+        assert table is not None, "advanced before begin"
         kernel(
-            tuple(self._rooms.table),
+            tuple(table),
             self.states,
             self._bodies,
             self._materials,
