@@ -8,6 +8,7 @@ import sim
 import sonarmap as sm
 import worlds
 from sim.engines.opening import ENGINES, open_engine
+from sim.engines.segments import Segments
 from sim.robot import amigobot
 from sim.sonar import presets as sonars
 from sonarmap import InputError
@@ -167,6 +168,12 @@ def test_two_engines_do_not_meet(opened):
             two.advance(0.3, 0.3, 0.2)
             assert cast_one(one, (0, 0), 0.0)[0] == pytest.approx(4)
     assert mixed == expected
+
+
+def test_an_engine_of_ones_own_is_found_by_its_module(mine):
+    mine.Segments = type("Own", (Segments,), {})
+    with open_engine("mine:Segments", OPEN) as engine:
+        assert type(engine) is mine.Segments
 
 
 def test_unknown_engine_is_refused_with_the_nearest_name():
