@@ -41,8 +41,8 @@ class FollowWall(Task):
     Terms of the reward (weights: `FollowWallWeights`)
     --------------------------------------------------
     ``following``: how well the distance is kept, 1 within 5 cm and 0 from 40 cm on, times the
-    distance driven ahead over that of a tenth of a second at full speed. ``collision``: 1 if the robot touched
-    something. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s.
+    distance driven ahead over that of a tenth of a second at full speed. ``collision``: 1 if the
+    robot touched something. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s.
 
     Ends
     ----
