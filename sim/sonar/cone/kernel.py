@@ -213,21 +213,29 @@ def measured(echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, 
 
 
 @njit(cache=True)
-def all_measured(
-    echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m
-):
-    """Return `measured` of k sonars; the first three parameters have shape (k,)."""
+def all_measured(echo_m, surface, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m):
+    """Return what k sonars read of echoes at ranges, +inf for none; see `measured`.
+
+    Parameters
+    ----------
+    echo_m, surface, noise : ndarray, shape (k,)
+        Of each sonar: range of the echo, the surface that sends it, a standard normal number.
+    roughness_m : ndarray, shape (surfaces,)
+        Of each surface.
+    noise_std_m, scale, quantum_m, near_m, far_m : float
+        See `measured`.
+    """
     reading_m = np.empty(echo_m.size)
     for k in range(echo_m.size):
         reading_m[k] = measured(
             echo_m[k],
-            roughness_m[k],
+            roughness_m[surface[k]] if surface[k] >= 0 else 0.0,
             noise[k],
             noise_std_m,
             scale,
             quantum_m,
             near_m,
             far_m,
-            silent_m,
+            math.inf,
         )
     return reading_m

@@ -121,11 +121,9 @@ class ConeSonar(SimultaneousSonar):
                 break
         echo_m[surface < 0] = np.inf
 
-        # Surface -1, no echo, takes the last entry.
-        roughness_m = np.append(world.roughness_m, 0.0)[surface]
         axis_range_m, cone_range_m = met_m[:, self.rays // 2], met_m.min(axis=1)
         return Echoes(
-            range_m=self._measured(echo_m, roughness_m, rng),
+            range_m=self._measured(echo_m, surface, world.roughness_m, rng),
             axis_range_m=axis_range_m,
             cone_range_m=cone_range_m,
             cause=cause_of(echo_m, bounces, axis_range_m, cone_range_m),
@@ -161,11 +159,13 @@ class ConeSonar(SimultaneousSonar):
     def _measured(
         self,
         echo_m: NDArray[np.float64],
+        surface: NDArray[np.int32],
         roughness_m: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> NDArray[np.float64]:
         readings_m: NDArray[np.float64] = all_measured(
             echo_m,
+            surface,
             roughness_m,
             rng.normal(size=echo_m.size),
             self.noise_std_m,
@@ -173,6 +173,5 @@ class ConeSonar(SimultaneousSonar):
             self.quantum_m,
             self.ring.range_min_m,
             self.ring.range_max_m,
-            math.inf,
         )
         return readings_m
