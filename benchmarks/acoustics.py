@@ -61,15 +61,15 @@ def listen(
     ring = sonars[0].ring
     best_s = np.full((len(poses), len(sonars)), math.inf)
     with Bullet(world, world.start) as engine:
-        ears = [sonar.ears(engine, world, np.random.default_rng(0)) for sonar in sonars]
+        arrays = [sonar.array(engine, world, np.random.default_rng(0)) for sonar in sonars]
         for stop, pose in enumerate(poses):
             places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
             axes = pose.heading_rad + ring.heading_rad
             for again in range(20):
-                for k, pair in enumerate(ears):
+                for k, array in enumerate(arrays):
                     begin = perf_counter()
-                    pair.fire(20.0 * stop + again, tuple(range(8)), places, axes)
-                    pair.hear()
+                    array.fire(20.0 * stop + again, tuple(range(8)), places, axes)
+                    array.detect()
                     best_s[stop, k] = min(best_s[stop, k], perf_counter() - begin)
     return best_s.sum(axis=0).tolist()
 

@@ -38,7 +38,7 @@ def bullet() -> None:
     for run in range(RUNS):
         env.reset(seed=run)
         actions = [env.action_space.sample() for _ in range(SHORT)]
-        engine = env.unwrapped.team._gear.physics._robots[0].engine
+        engine = env.unwrapped.batch._parts.backend._robots[0].engine
         recorder = Recorder(engine._p)
         engine._p = recorder
         step_all(env, actions)
@@ -48,7 +48,7 @@ def bullet() -> None:
         # The engine of a new episode has the same bodies by the same numbers, so the calls fit it,
         # but for its connection.
         env.reset(seed=run)
-        client = env.unwrapped.team._gear.physics._robots[0].engine._client
+        client = env.unwrapped.batch._parts.backend._robots[0].engine._client
         bare.append(timed(lambda recorder=recorder, client=client: recorder.replay(client)))
     env.close()
     print(

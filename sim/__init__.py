@@ -8,16 +8,22 @@ from importlib.util import find_spec
 from sim.engines.protocol import Engine, RayCaster
 from sim.robot.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
 from sim.robot.odometry import OdometryModel
+from sim.runs.many import simulate_many
 from sim.runs.packets import StatusPackets
 from sim.runs.simulation import simulate
 from sim.sonar.air import Air
 from sim.sonar.cone.sonar import ConeSonar
 from sim.sonar.firing import AllAtOnce, Eeruf, Firing, InTurn
-from sim.sonar.physical.interferer import Beacon
+from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.sonar import PhysicalSonar
-from sim.sonar.protocol import Ears, Echoes, Sonar
+from sim.sonar.protocol import Echoes, Sonar, SonarArray
+
+Beacon = Interferer
+"""Former name of `Interferer`."""
+Ears = SonarArray
+"""Former name of `SonarArray`."""
 
 __all__ = [
     "Air",
@@ -32,6 +38,7 @@ __all__ = [
     "Engine",
     "Firing",
     "InTurn",
+    "Interferer",
     "OdometryModel",
     "PhysicalSonar",
     "Piston",
@@ -40,10 +47,12 @@ __all__ = [
     "Receiver",
     "Sensed",
     "Sonar",
+    "SonarArray",
     "StatusPackets",
     "WallFollower",
     "Waypoints",
     "simulate",
+    "simulate_many",
 ]
 
 if find_spec("gymnasium") is not None:

@@ -233,7 +233,7 @@ def _extruded(solid: Solid) -> tuple[list[tuple[float, float, float]], list[int]
 
 
 @njit(cache=True)
-def _ends(origins_xy_m, directions_xy, range_max_m):
+def _ends(origins_xy_m, directions_xy, range_max_m):  # type: ignore[no-untyped-def]
     """Return where rays begin and end, at sonar height, shapes (n, 3)."""
     n = range_max_m.size
     begin, end = np.empty((n, 3)), np.empty((n, 3))
@@ -246,11 +246,11 @@ def _ends(origins_xy_m, directions_xy, range_max_m):
 
 
 @njit(cache=True)
-def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surface_of, circles):
+def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surface_of, circles):  # type: ignore[no-untyped-def]
     """Return (distance, normal, surface) of what PyBullet says that rays have met.
 
     A pillar is a prism for PyBullet: its own cylinders are up to 20 mm and 10 degrees off where a
-    ray grazes them, and catch rays that pass. Which body is met it tells rightly; the rest
+    ray grazes them, and catch rays that pass. Which body is met it reports correctly; the rest
     follows from the exact circle (x, y, radius; radius 0 for what is no pillar).
     """
     n = body.size

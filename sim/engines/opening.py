@@ -3,16 +3,36 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 from sim.engines.protocol import Engine
-from sim.engines.segments import Segments
 from sim.robot.amigobot import BODY_RADIUS_M
-from sonarmap.errors import InputError, did_you_mean
+from sonarmap.errors import InputError
+from sonarmap.registry import Registry
 from worlds import Pose, World
 
-__all__ = ["ENGINES", "open_engine"]
+__all__ = ["ENGINES", "EngineMaker", "open_engine"]
 
-ENGINES = ("bullet", "segments")
+
+class EngineMaker(Protocol):
+    """What `ENGINES` holds: an engine's class, or a function like it."""
+
+    def __call__(self, world: World, start: Pose, *, gui: bool = False) -> Engine:
+        """Return an engine with a robot at its start, clear of every solid, in a world.
+
+        Raises
+        ------
+        InputError
+            If what it needs is not installed, or it has no window and one is wanted.
+        """
+
+
+# The physics engine is imported when it is asked for.
+ENGINES = Registry[EngineMaker](
+    "engine",
+    "sonarbed.engines",
+    {"bullet": "sim.engines.bullet:Bullet", "segments": "sim.engines.segments:Segments"},
+)
 
 
 def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool = False) -> Engine:
@@ -20,8 +40,9 @@ def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool
 
     Parameters
     ----------
-    name : {"bullet", "segments"}
-        PyBullet with its dynamics, or the faces of the world alone with plain kinematics.
+    name : str
+        A name of `ENGINES`: "bullet", PyBullet with its dynamics, or "segments", the faces of the
+        world alone with plain kinematics; or ``package.module:Name`` of an `EngineMaker`.
     world : World
         The room.
     start : Pose, optional
@@ -35,18 +56,11 @@ def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool
         If there is no such engine, what it needs is not installed, it has no window, or the
         robot does not fit at the start.
     """
-    if name not in ENGINES:
-        raise InputError(f"engine {name!r} is unknown{did_you_mean(name, ENGINES)}")
+    make = ENGINES.find(name)
     start = world.start if start is None else start
     if not world.has_room_at(start.x_m, start.y_m, radius_m=BODY_RADIUS_M):
         raise InputError(
             f"start of ({start.x_m:g}, {start.y_m:g}) m, {math.degrees(start.heading_rad):g} "
             f"degrees must leave the robot (radius {BODY_RADIUS_M} m) clear of every solid"
         )
-    if name == "segments":
-        if gui:
-            raise InputError("engine 'segments' has no window: gui needs engine 'bullet'")
-        return Segments(world, start)
-    from sim.engines.bullet import Bullet  # the physics engine: loaded when it is used
-
-    return Bullet(world, start, gui=gui)
+    return make(world, start, gui=gui)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from sim.engines.protocol import ClosedByWith
 from sim.robot.amigobot import PHYSICS_DT_S
 from sim.robot.kinematics import drive
+from sonarmap.errors import InputError
 from worlds import Pose, RayHits, World
 from worlds.raycast import cast_rays
 
@@ -26,9 +27,13 @@ class Segments(ClosedByWith):
         The room.
     start : Pose
         Where the robot begins, clear of every solid.
+    gui : bool
+        Must be False: there is no window.
     """
 
-    def __init__(self, world: World, start: Pose) -> None:
+    def __init__(self, world: World, start: Pose, *, gui: bool = False) -> None:
+        if gui:
+            raise InputError("engine 'segments' has no window: gui needs engine 'bullet'")
         self._table = world.faces.table
         self._pose = np.array([start.x_m, start.y_m, start.heading_rad], float)
         self._speeds_mps, self._turns_rad = np.zeros((2, 2))

@@ -95,7 +95,8 @@ class Choices:
         last = len(self._VELOCITIES) - 1
         if chosen.dtype.kind not in "iu" or not ((chosen >= 0) & (chosen <= last)).all():
             raise _invalid(f"a discrete action must be a whole number 0 to {last}, got {actions!r}")
-        return self._VELOCITIES[chosen.reshape(robots)]
+        shares: NDArray[np.float64] = self._VELOCITIES[chosen.reshape(robots)]
+        return shares
 
     def wheels_mps(self, shares: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the wanted speeds of the wheels."""

@@ -1,4 +1,4 @@
-"""`SonarEnv`: one robot as a Gymnasium environment, a thin adapter to a `Team` of one."""
+"""`SonarEnv`: one robot as a Gymnasium environment, a thin adapter to an `EpisodeBatch` of one."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
-from sim.envs.episode_batch import Team, TeamSpec
+from sim.envs.episode_batch import BatchSpec, EpisodeBatch
 from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
 from sim.envs.pictures.drawing import draw
 from sim.envs.pictures.window import Window
@@ -66,7 +67,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     Parameters
     ----------
     engine, action, map_patch, control_s, map_resolution_m, map_range_m
-        What stays the same through all episodes, see `sim.envs.TeamSpec`.
+        What stays the same through all episodes, see `sim.envs.BatchSpec`.
     world, sonar, odometry, start, goal, randomisation
         What may differ from episode to episode, see `sim.envs.EpisodeOptions`. ``reset`` takes
         each of them by its name in ``options``, for that episode.
@@ -76,7 +77,13 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         Return frames, or show them in a window (extra ``gui``).
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["human", "rgb_array"], "render_fps": 10}
+    task_class: ClassVar[type[Task] | None] = None
+    """The task of the robot, see `sim.envs.environments.env_class`."""
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - so declares Gymnasium
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": 10,
+    }
 
     def __init__(
         self,
@@ -102,14 +109,14 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
                 f"render_mode {render_mode!r} is unknown{did_you_mean(render_mode, modes)}"
             )
         self.render_mode = render_mode
-        self._team = Team(
-            TeamSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
+        self._batch = EpisodeBatch(
+            BatchSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
             EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
             lambda robots: self.make_task(robots, weights),
             robots=1,
         )
-        self.observation_space = self._team.observation_space
-        self.action_space = self._team.action_space
+        self.observation_space: Space[Any] = self._batch.observation_space
+        self.action_space = self._batch.action_space
         self._window: Window | None = None
         self._trail: list[tuple[float, float]] = []
         self._score = 0.0
@@ -126,7 +133,9 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     @classmethod
     def make_task(cls, robots: int, weights: Any) -> Task:
         """Return the task of so many robots."""
-        raise NotImplementedError
+        if cls.task_class is None:
+            raise NotImplementedError(f"{cls.__name__} has no task_class")
+        return cls.task_class(robots, weights)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -134,25 +143,25 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         """Begin an episode; see the class for the options."""
         self._check_open()
         super().reset(seed=seed)
-        self._team.begin({0: self.np_random}, options)
+        self._batch.begin({0: self.np_random}, options)
         self._trail, self._score, self._needs_reset = [], 0.0, ""
-        observation = self._first(self._team.observe())
+        observation = self._first(self._batch.observe())
         self._show()
-        return observation, {"true_pose": self._team.states["true_pose"][0].copy()}
+        return observation, {"true_pose": self._batch.states["true_pose"][0].copy()}
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control step."""
         self._check_open()
         if self._needs_reset:
             raise gymnasium.error.ResetNeeded(self._needs_reset)
-        outcome = self._team.step(action, np.ones(1, bool))
+        outcome = self._batch.step(action, np.ones(1, bool))
         reward, terminated = float(outcome.reward[0]), bool(outcome.terminated[0])
         if terminated:
             self._needs_reset = "the episode has ended: reset must be called before the next step"
         self._score += reward
         self._show()
         info = first_row(outcome.info)
-        info["true_pose"] = self._team.states["true_pose"][0].copy()
+        info["true_pose"] = self._batch.states["true_pose"][0].copy()
         return self._first(outcome.observations), reward, terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
@@ -166,19 +175,24 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     def close(self) -> None:
         """Release what is held; closing twice is fine."""
         self._closed = True
-        self._team.close()
+        self._batch.close()
         if self._window is not None:
             self._window.close()
 
     @property
-    def team(self) -> Team:
-        """The robot with its physics, task and map, for wrappers that look behind the sonars."""
-        return self._team
+    def batch(self) -> EpisodeBatch:
+        """The robot with its backend, task and map, for wrappers that look behind the sonars."""
+        return self._batch
+
+    @property
+    def team(self) -> EpisodeBatch:
+        """Former name of `batch`."""
+        return self._batch
 
     @property
     def occupancy_map(self) -> OccupancyMap | None:
         """A copy of the map so far; None if neither the task nor the observation needs one."""
-        return self._team.map_of(0)
+        return self._batch.map_of(0)
 
     def _check_open(self) -> None:
         if self._closed:
@@ -190,7 +204,7 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     def _show(self) -> None:
         if self.render_mode is None:
             return
-        x_m, y_m, _ = self._team.states["true_pose"][0].tolist()
+        x_m, y_m, _ = self._batch.states["true_pose"][0].tolist()
         self._trail.append((x_m, y_m))
         if self.render_mode == "human":
             self._window = self._window or Window(fps=self.metadata["render_fps"])
@@ -199,13 +213,13 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     def _frame(self) -> NDArray[np.uint8]:
         if not self._trail:
             raise gymnasium.error.ResetNeeded("reset must be called before the first frame")
-        time_s = float(self._team.states["time_s"][0])
+        time_s = float(self._batch.states["time_s"][0])
         caption = f"{time_s:.1f} s · reward {self._score:.2f}"
-        return draw(self._team.scene(0, np.array(self._trail), caption))
+        return draw(self._batch.scene(0, np.array(self._trail), caption))
 
 
 def first_row(info: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the first robot's part of a team's info as plain numbers."""
+    """Return the first robot's part of a batch's info as plain numbers."""
     return {
         name: first_row(rows) if isinstance(rows, Mapping) else rows[0].item()
         for name, rows in info.items()

@@ -1,108 +1,92 @@
-"""The environments. Their docstrings, with that of `SonarEnv`, are the specification."""
+"""The environments of the tasks: `ExploreEnv`, `ExploreVectorEnv` and so on, by `env_class`.
+
+Every task in `sim.envs.tasks.registry.TASKS` has two classes here, made when they are first asked
+for: ``<name>Env`` and ``<name>VectorEnv``. `task_env` makes those of a person's own task.
+"""
 
 from __future__ import annotations
 
+from functools import cache
+from inspect import cleandoc
 from typing import Any
 
-from sim.envs.env import SonarEnv
-from sim.envs.tasks.explore import Explore
-from sim.envs.tasks.follow_wall import FollowWall
-from sim.envs.tasks.navigate import Navigate
+import gymnasium
+from gymnasium.wrappers import TimeLimit
+
+from sim.envs.env import Observation, SonarEnv
+from sim.envs.tasks.registry import TASKS
 from sim.envs.tasks.task import Task
 from sim.envs.vector import SonarVectorEnv
+from sonarmap import InputError
 
-__all__ = [
-    "ExploreEnv",
-    "ExploreVectorEnv",
-    "FollowWallEnv",
-    "FollowWallVectorEnv",
-    "NavigateEnv",
-    "NavigateVectorEnv",
-]
+__all__ = ["env_class", "task_env", "task_vector_env", "vector_env_class"]
 
 
-class ExploreEnv(SonarEnv):
-    """Map an unknown room with sonar alone.
+def __getattr__(name: str) -> Any:
+    """Return the class ``<task>Env`` or ``<task>VectorEnv`` of a known task."""
+    for ending, make in (("VectorEnv", vector_env_class), ("Env", env_class)):
+        task = name.removesuffix(ending)
+        if task != name and task in TASKS:
+            return make(TASKS[task])
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
-    Terms of the reward (weights: `ExploreWeights`)
-    -----------------------------------------------
-    ``map_score``: gain of the true map score in this step, bit m^2, summed over the cells that
-    are not hidden. ``area``: m^2 of which a reading spoke for the first time. ``collision``: 1 if
-    the robot touched something. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s.
 
-    Ends
-    ----
-    When the map calls 95 % of the cells that the robot can reach free; ``info["mapped_share"]``.
-    After 1200 steps.
+@cache
+def env_class(task: type[Task]) -> type[SonarEnv]:
+    """Return the environment of a task; the task's docstring is the head of its specification."""
+    members = {"__doc__": cleandoc(task.__doc__ or ""), "__module__": __name__, "task_class": task}
+    return type(f"{task.__name__}Env", (SonarEnv,), members)
+
+
+@cache
+def vector_env_class(task: type[Task]) -> type[SonarVectorEnv]:
+    """Return the vector environment of a task."""
+    single = env_class(task)
+    doc = f"Many of `{single.__name__}` at once, see `SonarVectorEnv`."
+    members = {"__doc__": doc, "__module__": __name__, "env_class": single}
+    return type(f"{task.__name__}VectorEnv", (SonarVectorEnv,), members)
+
+
+def task_env(task: str | type[Task], **arguments: Any) -> gymnasium.Env[Observation, Any]:
+    """Return the environment of a task, with the task's time limit.
+
+    ``gymnasium.make("sim:sonarbed/Task-v0", task=..., ...)`` calls it.
+
+    Parameters
+    ----------
+    task : str or type of Task
+        A name of `TASKS`, ``package.module:Name`` of a task's class, or the class.
+    **arguments
+        Those of `SonarEnv`.
     """
-
-    @classmethod
-    def make_task(cls, robots: int, weights: Any) -> Task:
-        """Return the task of so many robots."""
-        return Explore(robots, weights)
-
-
-class ExploreVectorEnv(SonarVectorEnv):
-    """Many of `ExploreEnv` at once, see `SonarVectorEnv`."""
-
-    env_class = ExploreEnv
+    known = _task_class(task)
+    env = env_class(known)(**arguments)
+    if known.max_episode_steps is None:
+        return env
+    return TimeLimit(env, known.max_episode_steps)
 
 
-class NavigateEnv(SonarEnv):
-    """Reach a goal in a room that is seen only by sonar.
+def task_vector_env(task: str | type[Task], num_envs: int = 1, **arguments: Any) -> SonarVectorEnv:
+    """Return the vector environment of a task, with the task's time limit.
 
-    Observation of the goal
-    -----------------------
-    ``goal``: float32 (3,) in [-1, 1], its range over 10 m (1 for farther), cosine and sine of its
-    bearing, by odometry.
+    ``gymnasium.make_vec("sim:sonarbed/Task-v0", task=..., ...)`` calls it.
 
-    Terms of the reward (weights: `NavigateWeights`)
-    ------------------------------------------------
-    ``progress``: metres by which the way to the goal has become shorter, around obstacles.
-    ``arrival``: 1 on arrival. ``collision``: 1 if the robot touched something. ``stuck``: 1 if that
-    ends the episode. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s. ``time``: 1.
-
-    Ends
-    ----
-    When the robot is within 0.3 m of the goal in truth, ``info["is_success"]``. After 400 steps.
+    Parameters
+    ----------
+    task : str or type of Task
+        As for `task_env`.
+    num_envs : int
+        How many robots, >= 1.
+    **arguments
+        Those of `SonarVectorEnv`.
     """
-
-    @classmethod
-    def make_task(cls, robots: int, weights: Any) -> Task:
-        """Return the task of so many robots."""
-        return Navigate(robots, weights)
+    known = _task_class(task)
+    limit = {"max_episode_steps": known.max_episode_steps}
+    return vector_env_class(known)(num_envs, **limit | arguments)
 
 
-class NavigateVectorEnv(SonarVectorEnv):
-    """Many of `NavigateEnv` at once, see `SonarVectorEnv`."""
-
-    env_class = NavigateEnv
-
-
-class FollowWallEnv(SonarEnv):
-    """Keep half a metre from the wall on the left, through corners and past openings.
-
-    The distance is that of the nearest surface between 45 and 135 degrees to the left of the
-    robot's middle.
-
-    Terms of the reward (weights: `FollowWallWeights`)
-    --------------------------------------------------
-    ``following``: how well the distance is kept, 1 within 5 cm and 0 from 40 cm on, times the way
-    ahead over that of a tenth of a second at full speed. ``collision``: 1 if the robot touched
-    something. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s.
-
-    Ends
-    ----
-    After 600 steps.
-    """
-
-    @classmethod
-    def make_task(cls, robots: int, weights: Any) -> Task:
-        """Return the task of so many robots."""
-        return FollowWall(robots, weights)
-
-
-class FollowWallVectorEnv(SonarVectorEnv):
-    """Many of `FollowWallEnv` at once, see `SonarVectorEnv`."""
-
-    env_class = FollowWallEnv
+def _task_class(task: str | type[Task]) -> type[Task]:
+    found = TASKS.find(task) if isinstance(task, str) else task
+    if not (isinstance(found, type) and issubclass(found, Task)):
+        raise InputError(f"task {task!r} must be a subclass of sim.envs.Task, got {found!r}")
+    return found

@@ -1,8 +1,9 @@
-"""`Team`: robots in their episodes. Physics, task and maps meet here, for one robot or many."""
+"""`EpisodeBatch`: robots in their episodes. Backend, task and maps meet here, for one or many."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from copy import deepcopy
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -12,33 +13,36 @@ from numpy.typing import NDArray
 
 from sim.engines.opening import ENGINES
 from sim.envs.actions import action_mode
-from sim.envs.backends.compiled.backend import BatchPhysics, is_simple
-from sim.envs.backends.engine import EnginePhysics, Physics, Setting
+from sim.envs.backends.compiled.backend import CompiledBackend
+from sim.envs.backends.engine import EngineBackend
+from sim.envs.backends.protocol import Backend, EpisodeSetup
 from sim.envs.episodes import EpisodeOptions, check_names, draw_episode
 from sim.envs.maps.robot_maps import MAP_MODEL, RobotMaps
 from sim.envs.pictures.drawing import Scene
-from sim.envs.senses import keep_account, sense
-from sim.envs.tasks.task import Briefing, Moment, Task
-from sim.runs.drive import check_firing, check_steps
+from sim.envs.senses import record_step, sense
+from sim.envs.tasks.task import StepOutcome, Task, TaskSetup
+from sim.robot.clock import check_steps
+from sim.sonar.firing import check_firing
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, OccupancyMap
-from sonarmap.errors import did_you_mean, positive
+from sonarmap.errors import positive
 from worlds import Pose
 
-__all__ = ["Team", "TeamSpec", "parted"]
+__all__ = ["BatchSpec", "EpisodeBatch", "TeamSpec", "split_arguments"]
 
 # A robot that has touched something for so long without a break is stuck. Assumed.
 _STUCK_S = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class TeamSpec:
+class BatchSpec:
     """What stays the same through all episodes.
 
     Parameters
     ----------
-    engine : {"segments", "bullet"}
-        What moves the robots and casts their rays.
+    engine : str
+        What moves the robots and casts their rays: "segments", "bullet", or another that
+        `sim.engines.opening.open_engine` knows.
     action : {"velocity", "wheels", "discrete"}
         What actions mean, see `sim.envs.actions`.
     map_patch : int
@@ -60,10 +64,7 @@ class TeamSpec:
     map_range_m: float = 3.0
 
     def __post_init__(self) -> None:
-        if self.engine not in ENGINES:
-            raise InputError(
-                f"engine {self.engine!r} is unknown{did_you_mean(self.engine, ENGINES)}"
-            )
+        ENGINES.find(self.engine)
         if self.map_patch < 0:
             raise InputError(f"map_patch must be >= 0, got {self.map_patch!r}")
         action_mode(self.action)
@@ -72,7 +73,11 @@ class TeamSpec:
         positive("map_range_m", self.map_range_m)
 
 
-def parted(arguments: Mapping[str, Any]) -> tuple[TeamSpec, EpisodeOptions]:
+TeamSpec = BatchSpec
+"""Former name of `BatchSpec`."""
+
+
+def split_arguments(arguments: Mapping[str, Any]) -> tuple[BatchSpec, EpisodeOptions]:
     """Return arguments, fields of both by their names, as what stays and what may differ.
 
     Raises
@@ -80,18 +85,18 @@ def parted(arguments: Mapping[str, Any]) -> tuple[TeamSpec, EpisodeOptions]:
     InputError
         If there is no such argument or its value breaks its rule.
     """
-    stays = [field.name for field in fields(TeamSpec)]
+    stays = [field.name for field in fields(BatchSpec)]
     differs = [field.name for field in fields(EpisodeOptions)]
     check_names("argument", arguments, [*stays, *differs])
     return (
-        TeamSpec(**{name: value for name, value in arguments.items() if name in stays}),
+        BatchSpec(**{name: value for name, value in arguments.items() if name in stays}),
         EpisodeOptions(**{name: value for name, value in arguments.items() if name in differs}),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outcome:
-    """What a step of a team gives, a row a robot."""
+class BatchStep:
+    """What a step of a batch gives, a row a robot."""
 
     observations: dict[str, NDArray[Any]]
     reward: NDArray[np.float64]
@@ -100,21 +105,21 @@ class Outcome:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Gear:
-    """What depends on the sonar: its kind, itself, the physics that knows it, the maps."""
+class _SonarParts:
+    """What depends on the sonar: itself, the backend that knows it, the maps."""
 
-    kind: tuple[object, ...]
+    fixed: tuple[object, ...]
     sonar: Sonar
-    physics: Physics
+    backend: Backend
     maps: RobotMaps | None
 
 
-class Team:
+class EpisodeBatch:
     """Robots in their episodes, independent of each other, all with the same task.
 
     Parameters
     ----------
-    spec : TeamSpec
+    spec : BatchSpec
         What stays the same through all episodes.
     options : EpisodeOptions
         What may differ between them, if a reset says nothing else.
@@ -126,7 +131,7 @@ class Team:
 
     def __init__(
         self,
-        spec: TeamSpec,
+        spec: BatchSpec,
         options: EpisodeOptions,
         make_task: Callable[[int], Task],
         robots: int,
@@ -135,16 +140,16 @@ class Team:
         self.task = make_task(robots)
         self._actions = action_mode(spec.action)
         self.action_space: Space[Any] = self._actions.space
-        self._settings: list[Setting | None] = [None] * robots
+        self._setups: list[EpisodeSetup | None] = [None] * robots
         self._last_shares = np.zeros((robots, 2))
         self._touching_s = np.zeros(robots)
-        self._gear = self._open(options.sonar)  # type: ignore[arg-type]
+        self._parts = self._open(options.sonar)  # type: ignore[arg-type]
         self.observation_space = self._observation_space()
 
     @property
     def states(self) -> NDArray[np.void]:
         """State of each robot, see `sim.envs.states.robot_dtype`."""
-        return self._gear.physics.states
+        return self._parts.backend.states
 
     def begin(
         self, rngs: Mapping[int, np.random.Generator], options: Mapping[str, Any] | None
@@ -163,12 +168,12 @@ class Team:
         drawn = {
             row: draw_episode(chosen, self._spec.map_resolution_m, rng) for row, rng in rngs.items()
         }
-        for row, (setting, briefing) in drawn.items():
-            self._begin_row(row, setting, briefing)
-        if self._gear.maps is not None:
-            self._gear.maps.add(self.states, np.array(list(drawn)))
+        for row, (setup, task_setup) in drawn.items():
+            self._begin_row(row, setup, task_setup)
+        if self._parts.maps is not None:
+            self._parts.maps.add(self.states, np.array(list(drawn)))
 
-    def step(self, actions: Any, moves: NDArray[np.bool_]) -> Outcome:
+    def step(self, actions: Any, moves: NDArray[np.bool_]) -> BatchStep:
         """Drive the robots of the rows that move for one control step.
 
         Raises
@@ -178,12 +183,12 @@ class Team:
         """
         shares = self._actions.shares(actions, self._robots)
         wanted_mps = self._actions.wheels_mps(shares)
-        self._gear.physics.advance(wanted_mps, moves)
+        self._parts.backend.advance(wanted_mps, moves)
         states = self.states
-        if self._gear.maps is not None:
-            self._gear.maps.add(states, np.flatnonzero(moves))
+        if self._parts.maps is not None:
+            self._parts.maps.add(states, np.flatnonzero(moves))
         effort = np.empty(self._robots)
-        keep_account(
+        record_step(
             states,
             moves,
             shares,
@@ -194,13 +199,13 @@ class Team:
             effort,
         )
         stuck = self._touching_s >= _STUCK_S - 1e-9
-        verdict = self.task.judge(Moment(states, stuck, effort, self._gear.maps))
-        info = {"reward_terms": verdict.terms, "stuck": stuck, **verdict.info}
-        return Outcome(self.observe(), verdict.reward, verdict.terminated, info)
+        evaluation = self.task.evaluate(StepOutcome(states, stuck, effort, self._parts.maps))
+        info = {"reward_terms": evaluation.terms, "stuck": stuck, **evaluation.info}
+        return BatchStep(self.observe(), evaluation.reward, evaluation.terminated, info)
 
     def observe(self) -> dict[str, NDArray[Any]]:
         """Return what the robots know, new arrays, a row a robot."""
-        states, ring, robots = self.states, self._gear.sonar.ring, self._robots
+        states, ring, robots = self.states, self._parts.sonar.ring, self._robots
         sensed: dict[str, NDArray[Any]] = {
             "range": np.empty((robots, len(ring)), np.float32),
             "validity": np.empty((robots, len(ring)), np.int8),
@@ -210,7 +215,7 @@ class Team:
         sense(states, self._last_shares, ring.range_max_m, *sensed.values())
         observed = {**sensed, **self.task.observe(states)}
         if self._spec.map_patch:
-            maps = self._gear.maps
+            maps = self._parts.maps
             assert maps is not None, "a patch needs maps"
             spec = self._spec
             observed["map"] = maps.patches(states, spec.map_patch, spec.map_resolution_m)
@@ -218,22 +223,22 @@ class Team:
 
     def map_of(self, row: int) -> OccupancyMap | None:
         """Return a copy of one robot's map, None if nobody asks for maps."""
-        return None if self._gear.maps is None else self._gear.maps.map_of(row)
+        return None if self._parts.maps is None else self._parts.maps.map_of(row)
 
-    def setting_of(self, row: int) -> Setting:
+    def setup_of(self, row: int) -> EpisodeSetup:
         """Return what one robot's episode began with."""
-        setting = self._settings[row]
-        assert setting is not None, "asked before begin"
-        return setting
+        setup = self._setups[row]
+        assert setup is not None, "asked before begin"
+        return setup
 
     def scene(self, row: int, trail_xy_m: NDArray[np.float64], caption: str) -> Scene:
         """Return what a picture of one robot shows."""
         state, map_ = self.states[row], self.map_of(row)
         return Scene(
-            world=self.setting_of(row).world,
+            world=self.setup_of(row).world,
             pose=Pose(*state["true_pose"].tolist()),
             believed=Pose(*state["believed_pose"].tolist()),
-            ring=self._gear.sonar.ring,
+            ring=self._parts.sonar.ring,
             range_m=state["range_m"].copy(),
             cause=state["cause"].copy(),
             trail_xy_m=trail_xy_m,
@@ -245,62 +250,63 @@ class Team:
 
     def close(self) -> None:
         """Release what the engines hold; closing twice is fine."""
-        self._gear.physics.close()
+        self._parts.backend.close()
 
-    def _open(self, sonar: Sonar) -> _Gear:
-        """Open physics and maps that suit a sonar."""
+    def _open(self, sonar: Sonar) -> _SonarParts:
+        """Open the backend and the maps that suit a sonar."""
         check_firing(sonar.firing, len(sonar.ring))
         spec, robots = self._spec, self._robots
-        physics: Physics
-        if spec.engine == "segments" and is_simple(sonar):
-            physics = BatchPhysics(sonar, robots, spec.control_s)
+        backend: Backend
+        if spec.engine == "segments" and sonar.compiled_cone() is not None:
+            backend = CompiledBackend(sonar, robots, spec.control_s)
         else:
-            physics = EnginePhysics(spec.engine, robots, len(sonar.ring), spec.control_s)
+            backend = EngineBackend(spec.engine, robots, len(sonar.ring), spec.control_s)
         maps = None
         if self.task.needs_maps or spec.map_patch:
             maps = RobotMaps(robots, sonar.ring, MAP_MODEL, spec.map_range_m)
-        return _Gear(_kind(sonar), sonar, physics, maps)
+        return _SonarParts(_fixed_by(sonar), sonar, backend, maps)
 
     def _change_to(self, sonar: Sonar, robots: int) -> None:
-        """Open other physics and maps if those that are open do not suit a sonar."""
-        if _kind(sonar) == self._gear.kind:
+        """Open another backend and maps if those that are open do not suit a sonar."""
+        if _fixed_by(sonar) == self._parts.fixed:
             return
-        before = self._gear
+        before = self._parts
         if len(sonar.ring) != len(before.sonar.ring):
             raise InputError(
                 f"sonar {sonar.name!r} must have {len(before.sonar.ring)} sonars, as the "
-                f"observation space tells, got {len(sonar.ring)}"
+                f"observation space says, got {len(sonar.ring)}"
             )
         if robots < self._robots:
             raise InputError(f"sonar {sonar.name!r} needs that all robots are reset together")
-        self._gear = self._open(sonar)
-        before.physics.close()
+        self._parts = self._open(sonar)
+        before.backend.close()
 
-    def _begin_row(self, row: int, setting: Setting, briefing: Briefing) -> None:
-        self._gear.physics.begin(row, setting)
-        self.task.begin(row, briefing)
-        if self._gear.maps is not None:
-            self._gear.maps.begin(row, briefing.facts)
-        self._settings[row] = setting
+    def _begin_row(self, row: int, setup: EpisodeSetup, task_setup: TaskSetup) -> None:
+        self._parts.backend.begin(row, setup)
+        self.task.begin(row, task_setup)
+        if self._parts.maps is not None:
+            self._parts.maps.begin(row, task_setup.facts)
+        self._setups[row] = setup
         self._last_shares[row] = 0.0
         self._touching_s[row] = 0.0
 
     def _observation_space(self) -> Dict:
-        sonars, patch = len(self._gear.sonar.ring), self._spec.map_patch
+        sonars, patch = len(self._parts.sonar.ring), self._spec.map_patch
         spaces: dict[str, Space[Any]] = {
             "range": Box(0.0, 1.0, (sonars,), np.float32),
             "validity": MultiBinary(sonars),
             "speed": Box(-1.0, 1.0, (2,), np.float32),
             "last_action": Box(-1.0, 1.0, (2,), np.float32),
-            **self.task.observations,
+            # Copies: a space has a generator of its own.
+            **deepcopy(dict(self.task.observations)),
         }
         if patch:
             spaces["map"] = Box(0, 255, (1, patch, patch), np.uint8)
         return Dict(spaces)
 
 
-def _kind(sonar: Sonar) -> tuple[object, ...]:
-    """Return what physics and maps depend on and cannot change from episode to episode."""
-    ring = sonar.ring.to_dict()
-    firing = sonar.firing.period_s
-    return type(sonar), str(ring), firing, getattr(sonar, "rays", None)
+def _fixed_by(sonar: Sonar) -> tuple[object, ...]:
+    """Return what a sonar fixes of backend and maps, which cannot change while they are open."""
+    cone = sonar.compiled_cone()
+    rays = None if cone is None else cone.rays
+    return str(sonar.ring.to_dict()), sonar.firing.period_s, rays

@@ -11,15 +11,13 @@ from typing import Any
 import numpy as np
 
 import worlds
-from sim.envs.backends.engine import Setting
+from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.facts import RoomFacts, facts_of
-from sim.envs.tasks.task import Briefing
+from sim.envs.tasks.task import TaskSetup
 from sim.robot.amigobot import BODY_RADIUS_M
 from sim.robot.odometry import OdometryModel
 from sim.sonar import presets as sonars
 from sim.sonar.air import Air
-from sim.sonar.cone.sonar import ConeSonar
-from sim.sonar.physical.sonar import PhysicalSonar
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError
 from sonarmap.errors import did_you_mean, positive
@@ -69,7 +67,7 @@ class EpisodeOptions:
     world : str, Path, World or a sequence of them
         Name of a room (`worlds.names`), file or room; of several, one is drawn each episode.
     sonar : str or Sonar
-        Preset of `sim.sonar.presets`, or a sonar.
+        A name that `sim.sonar.presets.preset` knows, or a sonar.
     odometry : OdometryModel, optional
         Errors of the odometry, by default the AmigoBot's.
     start : str or (float, float, float)
@@ -119,8 +117,8 @@ class EpisodeOptions:
 
 def draw_episode(
     options: EpisodeOptions, resolution_m: float, rng: np.random.Generator
-) -> tuple[Setting, Briefing]:
-    """Draw an episode: what physics and what the task are told.
+) -> tuple[EpisodeSetup, TaskSetup]:
+    """Draw an episode: what the backend and what the task begin with.
 
     Parameters
     ----------
@@ -143,8 +141,8 @@ def draw_episode(
         names = rng.choice(drawn.materials, len(world.solids))
         world = world.with_materials([MATERIALS[name] for name in names])
     odometry: OdometryModel = options.odometry  # type: ignore[assignment]
-    setting = Setting(world, start, sonar, odometry, noise_rng, slip_rng)
-    return setting, Briefing(facts, start, options.goal, task_rng)
+    setup = EpisodeSetup(world, start, sonar, odometry, noise_rng, slip_rng)
+    return setup, TaskSetup(facts, start, options.goal, task_rng)
 
 
 def _start(
@@ -165,19 +163,7 @@ def _randomised(sonar: Sonar, drawn: Randomisation, rng: np.random.Generator) ->
     noise, temperature_c = rng.uniform(*drawn.noise), rng.uniform(*drawn.temperature_c)
     if (noise, temperature_c) == (1.0, 20.0):
         return sonar
-    air = Air(temperature_c=temperature_c)
-    if isinstance(sonar, ConeSonar):
-        scale = sonar.range_scale * Air().speed_mps / air.speed_mps
-        return sonar.replace(noise_std_m=noise * sonar.noise_std_m, range_scale=scale)
-    if isinstance(sonar, PhysicalSonar):
-        heard = sonar.receiver
-        receiver = replace(
-            heard,
-            noise_std_m=noise * heard.noise_std_m,
-            weak_noise_std_m=noise * heard.weak_noise_std_m,
-        )
-        return sonar.replace(receiver=receiver, air=air)
-    raise InputError(f"sonar {sonar.name!r} has neither noise nor air to randomise")
+    return sonar.randomised(noise, Air(temperature_c=temperature_c))
 
 
 def _loaded(choice: WorldChoice | Sequence[WorldChoice]) -> tuple[World, ...]:

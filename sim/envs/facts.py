@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import label
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from sim.robot.amigobot import BODY_RADIUS_M
@@ -21,7 +22,7 @@ __all__ = ["RoomFacts", "facts_of"]
 # A robot that begins in a random place has this much room around it, so that its first move
 # cannot be a collision. Assumed.
 _ROOM_TO_TURN_M = 0.07
-# Random goals lie on a lattice of so many cells, so that the ways to them can be kept.
+# Random goals lie on a lattice of so many cells, so that the distances to them can be kept.
 _GOAL_LATTICE = 4
 
 
@@ -54,7 +55,7 @@ class RoomFacts:
         self.sign[known.state == FREE] = -1
         self._room_m = np.where(known.state == FREE, self._clearance_m(), 0.0)
         self.reachable = self._connected(self._room_m >= BODY_RADIUS_M)
-        self._way_m = lru_cache(maxsize=256)(self._way_from)
+        self._distance_m = lru_cache(maxsize=256)(self._distance_from)
 
     @property
     def reachable_cells(self) -> int:
@@ -76,16 +77,16 @@ class RoomFacts:
         If there is none, it is the farthest place within `farthest_m`.
         """
         rows, cols = self._goal_cells
-        way_m = self.way_m(start.x_m, start.y_m)[rows, cols]
-        candidates = np.flatnonzero((way_m >= nearest_m) & (way_m <= farthest_m))
+        distance_m = self.distance_m(start.x_m, start.y_m)[rows, cols]
+        candidates = np.flatnonzero((distance_m >= nearest_m) & (distance_m <= farthest_m))
         if candidates.size:
             chosen = candidates[rng.integers(candidates.size)]
         else:
-            chosen = np.where(way_m <= farthest_m, way_m, -1.0).argmax()
+            chosen = np.where(distance_m <= farthest_m, distance_m, -1.0).argmax()
         x_m, y_m = self.grid.centre_of(rows[chosen], cols[chosen])
         return float(x_m), float(y_m)
 
-    def way_m(self, x_m: float, y_m: float) -> NDArray[np.float32]:
+    def distance_m(self, x_m: float, y_m: float) -> NDArray[np.float32]:
         """Return how far the robot has to drive from each cell to a place, inf if it cannot.
 
         Parameters
@@ -99,8 +100,8 @@ class RoomFacts:
             Metres over the centres of reachable cells, straight or diagonal: too long by 8 % at
             most (Borgefors, "Distance transformations in digital images", 1986).
         """
-        way: NDArray[np.float32] = self._way_m(*self._nearest_reachable(x_m, y_m))
-        return way
+        distance_m: NDArray[np.float32] = self._distance_m(*self._nearest_reachable(x_m, y_m))
+        return distance_m
 
     def is_reachable(self, x_m: float, y_m: float) -> bool:
         """Return whether the robot can be at a place and get there from the world's start."""
@@ -148,8 +149,8 @@ class RoomFacts:
         return rows, cols
 
     @cached_property
-    def _graph(self) -> csr_array:
-        """Steps between neighbouring reachable cells and their lengths."""
+    def _graph(self) -> Any:
+        """Steps between neighbouring reachable cells and their lengths, a sparse matrix."""
         number = np.full(self.grid.shape, -1)
         number[self.reachable] = np.arange(self.reachable_cells)
         begin, end, length = [], [], []
@@ -162,14 +163,14 @@ class RoomFacts:
             length.append(np.full(both.sum(), math.hypot(down, right) * self.grid.resolution_m))
         cells = self.reachable_cells
         steps = np.concatenate(length), (np.concatenate(begin), np.concatenate(end))
-        there = coo_array(steps, shape=(cells, cells)).tocsr()
-        return there + there.T
+        one_way = coo_array(steps, shape=(cells, cells)).tocsr()
+        return one_way + one_way.T
 
-    def _way_from(self, row: int, col: int) -> NDArray[np.float32]:
+    def _distance_from(self, row: int, col: int) -> NDArray[np.float32]:
         number = int(self.reachable.ravel()[: row * self.grid.cols + col].sum())
-        way_m = np.full(self.grid.shape, np.inf, np.float32)
-        way_m[self.reachable] = dijkstra(self._graph, indices=number)
-        return way_m
+        distance_m = np.full(self.grid.shape, np.inf, np.float32)
+        distance_m[self.reachable] = dijkstra(self._graph, indices=[number])[0]
+        return distance_m
 
 
 @lru_cache(maxsize=64)

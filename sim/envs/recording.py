@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -13,6 +12,7 @@ from gymnasium.utils import RecordConstructorArgs
 from numpy.typing import NDArray
 
 from sim.envs.env import Observation
+from sim.envs.episode_batch import EpisodeBatch
 from sim.envs.policies.policies import Policy
 from sim.runs.recorder import Recorder
 from sim.sonar.protocol import Echoes
@@ -45,7 +45,7 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
 
     Notes
     -----
-    The provenance of a log tells the environment's id and arguments, the last seed that a
+    The provenance of a log records the environment's id and arguments, the last seed that a
     ``reset`` was given and how many more resets there have been since (with both the episode can
     be had again), the options of this reset, the room, the sonar and the sum of the rewards.
     """
@@ -63,12 +63,12 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode; what was recorded of one that has not ended is kept, too."""
         self._keep()
-        told = self.env.reset(seed=seed, options=options)
+        begun = self.env.reset(seed=seed, options=options)
         self._resets_since_seed = self._resets_since_seed + 1 if seed is None else 0
         self._seed = self._seed if seed is None else seed
         spec = self.env.spec
         self._episode = _Episode(
-            self._team,
+            self._batch,
             {
                 "environment": None if spec is None else spec.id,
                 "arguments": {} if spec is None else _plain(spec.kwargs),
@@ -77,17 +77,17 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
                 "options": _plain(options or {}),
             },
         )
-        return told
+        return begun
 
     def step(self, action: Any) -> tuple[Observation, Any, bool, bool, dict[str, Any]]:
-        """Drive for one control step and note what was heard."""
-        told = self.env.step(action)
+        """Drive for one control step and record what was detected."""
+        step = self.env.step(action)
         assert self._episode is not None, "stepped before reset"
-        _, reward, terminated, truncated, _ = told
+        _, reward, terminated, truncated, _ = step
         self._episode.add(float(reward))
         if terminated or truncated:
             self._keep()
-        return told
+        return step
 
     def log(self) -> SonarLog:
         """Return the log of the running episode so far, or of the last one if it has ended.
@@ -104,13 +104,13 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
         return self.logs[-1]
 
     @property
-    def _team(self) -> Any:
-        try:
-            return self.env.unwrapped.team
-        except AttributeError:
+    def _batch(self) -> EpisodeBatch:
+        batch = getattr(self.env.unwrapped, "batch", None)
+        if not isinstance(batch, EpisodeBatch):
             raise InputError(
                 f"RecordLog must wrap an environment of sonarbed, got {self.env.unwrapped}"
-            ) from None
+            )
+        return batch
 
     def _keep(self) -> None:
         episode, self._episode = self._episode, None
@@ -119,34 +119,28 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
 
 
 class _Episode:
-    """What is noted of one episode of the first robot of a team."""
+    """What is recorded of one episode of the first robot of a batch."""
 
-    def __init__(self, team: Any, provenance: Mapping[str, Any]) -> None:
-        setting = team.setting_of(0)
-        self._team, self._provenance = (
-            team,
-            {
-                "world": setting.world.name,
-                "sonar": setting.sonar.name,
-                **provenance,
-            },
-        )
-        self._recorder = Recorder(setting.sonar.ring, setting.world)
+    def __init__(self, batch: EpisodeBatch, provenance: Mapping[str, Any]) -> None:
+        setup = batch.setup_of(0)
+        self._batch = batch
+        self._provenance = {"world": setup.world.name, "sonar": setup.sonar.name, **provenance}
+        self._recorder = Recorder(setup.sonar.ring, setup.world)
         self._scan, self._touched, self._score = 0, False, 0.0
         self.has_readings = False
-        self._note()
+        self._record()
 
     def add(self, reward: float) -> None:
-        """Note what happened in the control step that has just ended."""
+        """Record what happened in the control step that has just ended."""
         self._score += reward
-        self._note()
+        self._record()
 
     def log(self) -> SonarLog:
         """Return the log so far."""
         return self._recorder.log({**self._provenance, "reward": self._score})
 
-    def _note(self) -> None:
-        state = self._team.states[0]
+    def _record(self) -> None:
+        state = self._batch.states[0]
         self._touched |= bool(state["touched"])
         fresh = np.flatnonzero(state["fresh"])
         if not fresh.size:
@@ -160,8 +154,8 @@ class _Episode:
                 _pose(state["fired_pose"][sonar]),
                 _pose(state["fired_true_pose"][sonar]),
             )
-        heard = {field.name: state[field.name][fired] for field in dataclasses.fields(Echoes)}
-        self._recorder.heard(Echoes(**heard), touched=self._touched)
+        echoes = {field.name: state[field.name][fired] for field in dataclasses.fields(Echoes)}
+        self._recorder.detected(Echoes(**echoes), touched=self._touched)
         self._scan, self._touched, self.has_readings = self._scan + 1, False, True
 
 
@@ -182,7 +176,7 @@ def record_minari(
     Parameters
     ----------
     env : gymnasium.Env
-        One of ``sonarbed/*``, made by ``gymnasium.make`` with arguments that JSON can tell: rooms
+        One of ``sonarbed/*``, made by ``gymnasium.make`` with arguments that JSON can hold: rooms
         and sonars by their names. It is left open.
     policy : callable
         From an observation to an action.
@@ -199,7 +193,7 @@ def record_minari(
     Raises
     ------
     InputError
-        If `episodes` is not >= 1, the data set exists already, JSON cannot tell how the
+        If `episodes` is not >= 1, the data set exists already, JSON cannot hold how the
         environment was made, or Minari is not installed.
 
     Notes
@@ -212,7 +206,7 @@ def record_minari(
         raise InputError(f"episodes must be >= 1, got {episodes!r}")
     if dataset_id in minari.list_local_datasets():
         raise InputError(f"dataset_id must be new, got {dataset_id!r}, which exists")
-    _check_told(env)
+    _check_spec(env)
     buffers = [
         minari.data_collector.EpisodeBuffer(id=number, seed=seed + number, **episode)
         for number in range(episodes)
@@ -228,15 +222,15 @@ def record_minari(
     )
 
 
-def _check_told(env: gymnasium.Env[Observation, Any]) -> None:
-    """Check that the data set can tell how its environment is made again."""
+def _check_spec(env: gymnasium.Env[Observation, Any]) -> None:
+    """Check that the data set can record how its environment is made again."""
     if env.spec is None:
         raise InputError("env must be made by gymnasium.make, so that the data set can name it")
     try:
         env.spec.to_json()
     except (TypeError, ValueError) as error:
         raise InputError(
-            "env must be made with arguments that JSON can tell (rooms and sonars by their "
+            "env must be made with arguments that JSON can hold (rooms and sonars by their "
             f"names), got {error}"
         ) from None
 
@@ -262,7 +256,7 @@ def _driven(env: gymnasium.Env[Observation, Any], policy: Policy, seed: int) -> 
     }
 
 
-def _minari() -> ModuleType:
+def _minari() -> Any:
     try:
         import minari
     except ImportError:
@@ -277,7 +271,7 @@ def _pose(columns: NDArray[np.float64]) -> Pose:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON can tell it; of rooms and sonars their names."""
+    """Return a value as JSON can hold it; of rooms and sonars their names."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, Mapping):

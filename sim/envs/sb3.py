@@ -115,10 +115,10 @@ class SB3VecEnv(VecEnv):
 
 def _row_of(info: Mapping[str, Any], row: int) -> dict[str, Any]:
     """Return one robot's part of a vector environment's info, without the masks."""
-    told: dict[str, Any] = {}
+    of_robot: dict[str, Any] = {}
     for name, rows in info.items():
         if isinstance(rows, Mapping):
-            told[name] = {term: values[row].item() for term, values in rows.items()}
+            of_robot[name] = {term: values[row].item() for term, values in rows.items()}
         elif not name.startswith("_"):
-            told[name] = rows[row].item() if rows.ndim == 1 else rows[row].copy()
-    return told
+            of_robot[name] = rows[row].item() if rows.ndim == 1 else rows[row].copy()
+    return of_robot

@@ -8,7 +8,7 @@ from numba import njit
 
 from sim.robot.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
 
-__all__ = ["keep_account", "sense"]
+__all__ = ["record_step", "sense"]
 
 
 @njit(cache=True)
@@ -40,8 +40,8 @@ def sense(states, last_shares, range_max_m, ranges, validity, speed, last_action
 
 
 @njit(cache=True)
-def keep_account(states, moves, shares, wanted_mps, dt_s, last_shares, touching_s, effort):
-    """Note what a control step did to robots.
+def record_step(states, moves, shares, wanted_mps, dt_s, last_shares, touching_s, effort):
+    """Record what a control step did to robots.
 
     Parameters
     ----------

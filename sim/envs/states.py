@@ -56,7 +56,7 @@ def robot_dtype(sonars: int) -> np.dtype[np.void]:
 
 
 def new_states(robots: int, sonars: int) -> NDArray[np.void]:
-    """Return the states of robots that have not heard anything yet."""
+    """Return the states of robots whose sonars have not fired yet."""
     states = np.zeros(robots, robot_dtype(sonars))
     for name in ("range_m", "axis_range_m", "cone_range_m"):
         states[name] = np.inf

@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from sim.envs.env import Observation, SonarEnv
-from sim.envs.episode_batch import Team, parted
+from sim.envs.episode_batch import EpisodeBatch, split_arguments
 from sonarmap import InputError
 
 __all__ = ["SonarVectorEnv"]
@@ -40,7 +40,7 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     render_mode : None
         Nothing is drawn.
     **arguments
-        All others of `sim.envs.SonarEnv`: fields of `sim.envs.TeamSpec` and
+        All others of `sim.envs.SonarEnv`: fields of `sim.envs.BatchSpec` and
         `sim.envs.EpisodeOptions`.
     """
 
@@ -72,13 +72,13 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self.metadata = {**self.env_class.metadata, "autoreset_mode": AutoresetMode(autoreset_mode)}
         self.num_envs = num_envs
         self.render_mode = render_mode
-        self._team = Team(
-            *parted(arguments),
+        self._batch = EpisodeBatch(
+            *split_arguments(arguments),
             lambda robots: self.env_class.make_task(robots, weights),
             robots=num_envs,
         )
-        self.single_observation_space = self._team.observation_space
-        self.single_action_space = self._team.action_space
+        self.single_observation_space = self._batch.observation_space
+        self.single_action_space = self._batch.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._limit = max_episode_steps
@@ -88,9 +88,14 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._is_reset = False
 
     @property
-    def team(self) -> Team:
-        """The robots with their physics, tasks and maps."""
-        return self._team
+    def batch(self) -> EpisodeBatch:
+        """The robots with their backend, task and maps."""
+        return self._batch
+
+    @property
+    def team(self) -> EpisodeBatch:
+        """Former name of `batch`."""
+        return self._batch
 
     def reset(
         self,
@@ -103,7 +108,7 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         self._seed(seed)
         self._begin(np.arange(self.num_envs), options)
         self._is_reset = True
-        return self._team.observe(), self._told({})
+        return self._batch.observe(), self._with_masks({})
 
     def step(
         self, actions: Any
@@ -115,14 +120,14 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         moves = ~self._done
         begun = np.flatnonzero(self._done)
         self._begin(begun, None)
-        outcome = self._team.step(actions, moves)
+        outcome = self._batch.step(actions, moves)
         self._steps += moves
         terminated = outcome.terminated & moves
         truncated = np.zeros(self.num_envs, bool)
         if self._limit is not None:
             truncated = moves & (self._steps >= self._limit)
         reward = np.where(moves, outcome.reward, 0.0)
-        info, observations = self._told(outcome.info), outcome.observations
+        info, observations = self._with_masks(outcome.info), outcome.observations
         done = terminated | truncated
         if self._same_step:
             if done.any():
@@ -133,7 +138,7 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
 
     def close_extras(self, **kwargs: Any) -> None:
         """Release what is held."""
-        self._team.close()
+        self._batch.close()
 
     def _begun_at_once(
         self, done: NDArray[np.bool_], observations: Observation, info: dict[str, Any]
@@ -143,10 +148,9 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
         for row in np.flatnonzero(done):
             final_obs[row] = {name: rows[row].copy() for name, rows in observations.items()}
         self._begin(np.flatnonzero(done), None)
-        told = self._told({})
-        return self._team.observe(), {
+        return self._batch.observe(), {
             **info,
-            **told,
+            **self._with_masks({}),
             "final_obs": final_obs,
             "_final_obs": done.copy(),
             "final_info": info,
@@ -156,7 +160,7 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
     def _begin(self, rows: NDArray[np.int64], options: dict[str, Any] | None) -> None:
         assert self._rngs is not None
         if rows.size:
-            self._team.begin({int(row): self._rngs[row] for row in rows}, options)
+            self._batch.begin({int(row): self._rngs[row] for row in rows}, options)
         self._steps[rows] = 0
         self._done[rows] = False
 
@@ -169,22 +173,22 @@ class SonarVectorEnv(VectorEnv[Observation, Any, NDArray[Any]]):
             raise InputError(
                 f"seed must have one number a robot, {self.num_envs}, got {len(seeds)}"
             )
-        known = self._rngs or [None] * self.num_envs
+        known: Sequence[np.random.Generator | None] = self._rngs or [None] * self.num_envs
         # As a single environment: without a seed the generator goes on.
         self._rngs = [
             rng if rng is not None and number is None else seeding.np_random(number)[0]
             for rng, number in zip(known, seeds, strict=True)
         ]
 
-    def _told(self, info: Mapping[str, Any]) -> dict[str, Any]:
-        """Return an info as Gymnasium's vector environments tell it: arrays and their masks."""
+    def _with_masks(self, info: Mapping[str, Any]) -> dict[str, Any]:
+        """Return an info as Gymnasium's vector environments have it: arrays and their masks."""
         everybody = np.ones(self.num_envs, bool)
-        told: dict[str, Any] = {"true_pose": self._team.states["true_pose"].copy()}
-        told["_true_pose"] = everybody
+        masked: dict[str, Any] = {"true_pose": self._batch.states["true_pose"].copy()}
+        masked["_true_pose"] = everybody
         for name, rows in info.items():
-            told[name] = dict(rows) if isinstance(rows, Mapping) else rows
-            told[f"_{name}"] = everybody
-        return told
+            masked[name] = dict(rows) if isinstance(rows, Mapping) else rows
+            masked[f"_{name}"] = everybody
+        return masked
 
     def _check_open(self) -> None:
         if self.closed:

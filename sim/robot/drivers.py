@@ -7,10 +7,9 @@ what is sensed to wheel speeds that may remember things.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import cycle
-from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -18,10 +17,12 @@ from numpy.typing import NDArray
 
 from sim.robot import amigobot
 from sonarmap import InputError, SonarRing
-from sonarmap.errors import did_you_mean, finite, positive
+from sonarmap.errors import finite, positive
+from sonarmap.registry import Registry
 from worlds import Pose, World
 
 __all__ = [
+    "DRIVERS",
     "ConstantSpeeds",
     "Controller",
     "Driver",
@@ -256,36 +257,68 @@ class RandomWander:
         return control
 
 
-_BY_NAME: Mapping[str, Callable[[World], Driver]] = MappingProxyType(
+STRAIGHT = ConstantSpeeds(0.1, 0.1)
+"""Drives straight on at 0.1 m/s."""
+FOLLOW_RIGHT = WallFollower(side="right")
+"""Keeps the wall on its right."""
+
+
+def route(world: World) -> Waypoints:
+    """Return the driver along the route of a world."""
+    if not world.route_m:
+        raise InputError(f"driver 'route' needs route_m in the world {world.name!r}, it has none")
+    return Waypoints(world.route_m)
+
+
+DRIVERS = Registry[Driver | Callable[..., Driver]](
+    "driver",
+    "sonarbed.drivers",
     {
-        "thesis": lambda world: ConstantSpeeds(),
-        "straight": lambda world: ConstantSpeeds(0.1, 0.1),
-        "route": lambda world: Waypoints(_route(world)),
-        "follow-left": lambda world: WallFollower(side="left"),
-        "follow-right": lambda world: WallFollower(side="right"),
-        "wander": lambda world: RandomWander(),
-    }
+        "thesis": "sim.robot.drivers:ConstantSpeeds",
+        "straight": "sim.robot.drivers:STRAIGHT",
+        "route": "sim.robot.drivers:route",
+        "follow-left": "sim.robot.drivers:WallFollower",
+        "follow-right": "sim.robot.drivers:FOLLOW_RIGHT",
+        "wander": "sim.robot.drivers:RandomWander",
+    },
 )
+"""A driver, the class of one that is made without arguments, or a function from a world to one."""
 
 
 def names() -> tuple[str, ...]:
     """Return the names of the drivers that `driver` knows."""
-    return tuple(_BY_NAME)
+    return tuple(DRIVERS)
 
 
 def driver(name: str, world: World) -> Driver:
-    """Return the driver called `name` for a world, or raise `InputError`."""
-    try:
-        make = _BY_NAME[name]
-    except KeyError:
-        raise InputError(f"driver {name!r} is unknown{did_you_mean(name, _BY_NAME)}") from None
-    return make(world)
+    """Return the driver called `name` for a world.
 
+    Parameters
+    ----------
+    name : str
+        A name of `names`, or ``package.module:Name`` of a driver, of the class of one that is
+        made without arguments, or of a function that takes the world and returns one.
+    world : World
+        The room.
 
-def _route(world: World) -> tuple[tuple[float, float], ...]:
-    if not world.route_m:
-        raise InputError(f"driver 'route' needs route_m in the world {world.name!r}, it has none")
-    return world.route_m
+    Raises
+    ------
+    InputError
+        If there is no such driver (with the nearest known name), what the name stands for is
+        none, or the world lacks what it needs.
+    """
+    part = DRIVERS.find(name)
+    made: Driver | Callable[..., Driver] = part
+    if isinstance(part, type):
+        try:
+            made = part()
+        except TypeError as error:
+            raise InputError(f"driver {name!r} must be made without arguments: {error}") from error
+    elif callable(part):
+        made = part(world)
+    if not hasattr(made, "begin"):
+        raise InputError(f"driver {name!r} must be a driver or make one, got {made!r}")
+    return made
 
 
 def _offset(pose: Pose, point_m: tuple[float, float]) -> tuple[float, float]:

@@ -31,7 +31,7 @@ class OdometryModel:
     turn_spread : float
         Error of turns, radians per radian, drawn likewise.
     slip_std_m : float
-        Standard deviation of each wheel's slip over one metre of its way; grows with the root
+        Standard deviation of each wheel's slip over one metre of its path; grows with the root
         of the distance.
     """
 
@@ -91,20 +91,20 @@ def drawn_errors(model: OdometryModel, rng: np.random.Generator) -> NDArray[np.f
     """Draw the errors of one drive, as `reckon` takes them."""
     scale, turn = 1 + np.array([model.scale_spread, model.turn_spread]) * rng.uniform(-0.5, 0.5, 2)
     tick_m = 2 * math.pi * WHEEL_RADIUS_M / model.ticks_per_turn
-    # The error of the scale is in the wheels' ways and must not turn the robot as well.
+    # The error of the scale is in the wheels' distances and must not turn the robot as well.
     return np.array(
         [model.ticks_per_turn, tick_m * scale, TRACK_M * scale / turn, model.slip_std_m]
     )
 
 
 @njit(cache=True)
-def reckon(errors, pose, ticks, left_rad, right_rad, left_slip, right_slip):
-    """Move the believed pose on by what the encoders tell; changes `pose` and `ticks`.
+def reckon(errors, pose, ticks, left_rad, right_rad, left_slip, right_slip):  # type: ignore[no-untyped-def]
+    """Move the believed pose on by what the encoders report; changes `pose` and `ticks`.
 
     Parameters
     ----------
     errors : ndarray, shape (4,)
-        Ticks of a turn, believed way of a tick and track in metres, slip over a metre.
+        Ticks of a turn, believed length of a tick and track in metres, slip over a metre.
     pose : ndarray, shape (3,)
         x, y in metres and heading in radians.
     ticks : ndarray, shape (2,)

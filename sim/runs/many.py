@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.runs.parallel import run_all, stop_if_told
+from sim.runs.parallel import run_all, stop_if_cancelled
 from sim.runs.simulation import simulate
 from sonarmap import Cause, InputError, SonarLog
 from sonarmap.files import atomic_path, make_folder
@@ -68,11 +68,11 @@ def simulate_many(
             on_done=None if on_done is None else lambda index: on_done(seeds[index]),
         )
     finally:
-        # Also after an interruption: the manifest tells of the logs that are there.
+        # Also after an interruption: the manifest lists the logs that are there.
         manifest = {
             "world": world.name,
             "world_parameters": dict(world.parameters),
-            "arguments": {name: _told(value) for name, value in arguments.items()},
+            "arguments": {name: _plain(value) for name, value in arguments.items()},
             "logs": sorted(entries.values(), key=lambda entry: entry["seed"]),
         }
         if entries:
@@ -82,7 +82,7 @@ def simulate_many(
 
 
 def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
-    """Return what a manifest tells of a simulated log, see `simulate_many`."""
+    """Return what a manifest records of a simulated log, see `simulate_many`."""
     truth = log.require_truth("the manifest")
     causes = np.bincount(truth.cause, minlength=len(Cause))
     return {
@@ -97,11 +97,11 @@ def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
 def _simulate_one(
     world: World, folder: Path, arguments: Mapping[str, Any], seed: int
 ) -> dict[str, Any]:
-    log = simulate(world, seed=seed, on_scan=lambda scan: stop_if_told(), **arguments)
+    log = simulate(world, seed=seed, on_scan=lambda scan: stop_if_cancelled(), **arguments)
     name = f"seed-{seed:04d}.parquet"
     log.write(folder / name)
     return log_entry(log, seed, name)
 
 
-def _told(value: Any) -> Any:
+def _plain(value: Any) -> Any:
     return value if isinstance(value, str | int | float | bool | None) else repr(value)

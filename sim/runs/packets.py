@@ -16,7 +16,7 @@ __all__ = ["StatusPackets", "in_packets"]
 
 @dataclass(frozen=True)
 class StatusPackets:
-    """The packets in which a robot tells the latest value of each sonar.
+    """The packets in which a robot reports the latest value of each sonar.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def in_packets(log: SonarLog, packets: Sequence[tuple[float, Pose]], delay_s: fl
     Returns
     -------
     SonarLog
-        A scan a packet, a row for each sonar that was heard before, in the order of the ring.
+        A scan a packet, a row for each sonar that was read before, in the order of the ring.
         Time and odometry are the packet's, which is all that a robot logs; ``stale`` marks what
-        an earlier packet told already; the truth stays that of the firing.
+        an earlier packet had already; the truth stays that of the firing.
 
     Raises
     ------
@@ -69,10 +69,10 @@ def in_packets(log: SonarLog, packets: Sequence[tuple[float, Pose]], delay_s: fl
         newest[last >= 0, sonar] = rows[last[last >= 0]]
     stale = np.zeros(newest.shape, bool)
     stale[1:] = newest[1:] == newest[:-1]
-    heard = newest >= 0
-    if not heard.any():
+    is_known = newest >= 0
+    if not is_known.any():
         raise InputError("scans must be enough for a packet with a reading: take more")
-    packet, row = np.nonzero(heard)[0], newest[heard]
+    packet, row = np.nonzero(is_known)[0], newest[is_known]
     x_m, y_m, heading_rad = (
         np.array([getattr(pose, name) for _, pose in packets])[packet]
         for name in ("x_m", "y_m", "heading_rad")
@@ -86,7 +86,7 @@ def in_packets(log: SonarLog, packets: Sequence[tuple[float, Pose]], delay_s: fl
             "x_m": x_m,
             "y_m": y_m,
             "heading_rad": heading_rad,
-            "stale": stale[heard],
+            "stale": stale[is_known],
         },
         truth=None if log.truth is None else log.truth.select(row),
     )

@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from sonarmap.errors import InputError
 
-__all__ = ["deaf_children", "run_all", "stop_if_told"]
+__all__ = ["deaf_children", "interrupts_held_back", "run_all", "stop_if_cancelled"]
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -63,7 +63,7 @@ def run_all(
     try:
         with ProcessPoolExecutor(min(jobs, len(tasks)), context, _begin, (stop,)) as pool:
             try:
-                with deaf_children():
+                with interrupts_held_back():
                     for index, task in enumerate(tasks):
                         futures[pool.submit(function, task)] = index
                 for future in as_completed(futures):
@@ -71,7 +71,7 @@ def run_all(
                     if on_done is not None:
                         on_done(futures[future])
             except BaseException:
-                # What has begun is told to stop, and the rest never begins. It waits, for leaving
+                # What has begun is asked to stop, and the rest never begins. It waits, for leaving
                 # the block would call what is cancelled back to work.
                 stop.set()
                 pool.shutdown(cancel_futures=True)
@@ -84,7 +84,7 @@ def run_all(
                 results[index] = future.result()
 
 
-def stop_if_told() -> None:
+def stop_if_cancelled() -> None:
     """End this process's task if the parent does not want it any more; long tasks call it."""
     if _stop is not None and _stop.is_set():
         raise _Stopped
@@ -104,19 +104,19 @@ class _Stopped(Exception):  # noqa: N818 - nobody sees it: its future is dropped
 
 
 @contextmanager
-def deaf_children() -> Iterator[None]:
-    """Let processes that begin in the block never hear Ctrl-C, from their first line on.
+def interrupts_held_back() -> Iterator[None]:
+    """Let processes that begin in the block ignore Ctrl-C, from their first line on.
 
-    A terminal sends it to all processes; it is for the parent, which tells the others to stop.
+    A terminal sends it to all processes; it is for the parent, which asks the others to stop.
     They inherit the parent's mask of signals. For the parent it waits for the end of the block:
     it must not meet a process half begun, nor be lost, as with `signal.SIG_IGN`.
     """
     can_mask = hasattr(signal, "pthread_sigmask")
     is_main = threading.current_thread() is threading.main_thread()
-    heard: list[int] = []
+    held_back: list[int] = []
     if is_main:
         # The mask alone is not enough: threads of numerical libraries have their own.
-        handler = signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+        handler = signal.signal(signal.SIGINT, lambda number, frame: held_back.append(number))
     if can_mask:
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -126,5 +126,9 @@ def deaf_children() -> Iterator[None]:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         if is_main:
             signal.signal(signal.SIGINT, handler)
-    if heard:
+    if held_back:
         signal.raise_signal(signal.SIGINT)
+
+
+deaf_children = interrupts_held_back
+"""Former name of `interrupts_held_back`."""

@@ -1,4 +1,4 @@
-"""The recorder: firings and what was heard come in one by one, a `SonarLog` goes out."""
+"""The recorder: firings and their echoes come in one by one, a `SonarLog` goes out."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Recorder:
     world : World
         Whose surfaces the echoes name by number.
     packets : StatusPackets, optional
-        How the robot tells its readings. None: each reading once, as it was fired.
+        How the robot reports its readings. None: each reading once, as it was fired.
     """
 
     def __init__(self, ring: SonarRing, world: World, packets: StatusPackets | None = None) -> None:
@@ -35,41 +35,41 @@ class Recorder:
         self._firings: list[tuple[int, int, float, Pose, Pose]] = []
         self._echoes: list[Echoes] = []
         self._touched: list[bool] = []
-        self._told: list[tuple[float, Pose]] = []
+        self._sent: list[tuple[float, Pose]] = []
 
     def fired(
         self, scan: int, time_s: float, sonars: tuple[int, ...], believed: Pose, true: Pose
     ) -> None:
-        """Note that sonars fired: in which scan, when, the pose by odometry, the true one."""
+        """Record that sonars fired: in which scan, when, the pose by odometry, the true one."""
         self._firings += [(scan, sonar, time_s, believed, true) for sonar in sonars]
 
-    def heard(self, echoes: Echoes, *, touched: bool) -> None:
-        """Note what the firings since the last call heard, and whether the robot touched."""
+    def detected(self, echoes: Echoes, *, touched: bool) -> None:
+        """Record what the firings since the last call detected, and whether the robot touched."""
         self._echoes.append(echoes)
         self._touched += [touched] * len(echoes.range_m)
 
-    def told(self, time_s: float, believed: Pose) -> None:
-        """Note the time of a packet and the pose by odometry in it."""
-        self._told.append((time_s, believed))
+    def packet(self, time_s: float, believed: Pose) -> None:
+        """Record the time of a packet and the pose by odometry in it."""
+        self._sent.append((time_s, believed))
 
     def log(self, provenance: Mapping[str, Any]) -> SonarLog:
         """Return the log of all readings so far."""
         scan, sonar, time_s, believed, true = zip(*self._firings, strict=True)
 
-        def heard(name: str) -> Any:
+        def detected(name: str) -> Any:
             return np.concatenate([getattr(echoes, name) for echoes in self._echoes])
 
         truth = LogTruth(
             **_columns(true),
-            axis_range_m=heard("axis_range_m"),
-            cone_range_m=heard("cone_range_m"),
-            cause=heard("cause"),
-            surface=self._surfaces[heard("surface")],
-            incidence_rad=heard("incidence_rad"),
-            bounces=heard("bounces"),
+            axis_range_m=detected("axis_range_m"),
+            cone_range_m=detected("cone_range_m"),
+            cause=detected("cause"),
+            surface=self._surfaces[detected("surface")],
+            incidence_rad=detected("incidence_rad"),
+            bounces=detected("bounces"),
             collision=np.array(self._touched),
-            source=heard("source"),
-            level_db=heard("level_db"),
+            source=detected("source"),
+            level_db=detected("level_db"),
         )
         log = SonarLog(
             ring=self._ring,
@@ -77,12 +77,12 @@ class Recorder:
             sonar=np.array(sonar),
             time_s=np.array(time_s),
             **_columns(believed),
-            range_m=heard("range_m"),
+            range_m=detected("range_m"),
             truth=truth,
             provenance=provenance,
         )
         if self._packets is not None:
-            log = in_packets(log, self._told, self._packets.delay_s)
+            log = in_packets(log, self._sent, self._packets.delay_s)
         return log
 
 

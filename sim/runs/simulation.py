@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 
 from sim.engines.opening import open_engine
 from sim.robot import drivers
+from sim.robot.clock import check_steps
 from sim.robot.drivers import Driver, Sensed
 from sim.robot.odometry import Odometer, OdometryModel
-from sim.runs.drive import Drive, check_firing, check_steps, transducers
+from sim.runs.motion import Motion, transducers
 from sim.runs.packets import StatusPackets
 from sim.runs.recorder import Recorder
 from sim.sonar import presets as sonars
+from sim.sonar.firing import check_firing, pings
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, SonarLog
 from worlds import World
@@ -48,17 +51,18 @@ def simulate(
         Seed of all that is random, >= 0. The same world, arguments and seed give the same log,
         bit for bit, on one machine.
     driver : str or Driver
-        Who drives: a name of `sim.robot.drivers.names()` or a driver.
+        Who drives: a name that `sim.robot.drivers.driver` knows, or a driver.
     sonar : str or Sonar
-        The sonars: a name of `sim.sonar.presets.PRESETS` or a sonar. By default those that
-        behave like sonars; "thesis" is the simple cone, quicker and easier to reason about.
+        The sonars: a name that `sim.sonar.presets.preset` knows, or a sonar. By default those
+        that behave like sonars; "thesis" is the simple cone, quicker and easier to reason about.
     engine : str
-        What moves the robot and casts the rays: "bullet", PyBullet with its dynamics, or
-        "segments", exact faces and plain kinematics, many times faster.
+        What moves the robot and casts the rays: "bullet", PyBullet with its dynamics;
+        "segments", exact faces and plain kinematics, many times faster; or another that
+        `sim.engines.opening.open_engine` knows.
     odometry : OdometryModel, optional
         Errors of the odometry, by default the AmigoBot's.
     packets : StatusPackets, optional
-        Log what the robot's status packets tell, stale values repeated; by default each reading
+        Log what the robot's status packets report, stale values repeated; by default each reading
         once, with the time and the pose of its own firing.
     gui : bool
         Show the engine's window.
@@ -68,7 +72,7 @@ def simulate(
     Returns
     -------
     SonarLog
-        With truth; its provenance tells how it was made.
+        With truth; its provenance records how it was made.
 
     Raises
     ------
@@ -92,68 +96,68 @@ def simulate(
     with open_engine(engine, world, gui=gui) as robot:
         recorder = Recorder(ring, world, packets)
         odometer = Odometer(odometry, robot.pose, odometry_rng)
-        drive = Drive(robot, odometer)
-        tell = _teller(drive, recorder, packets)
-        ears = sonar_used.ears(robot, world, noise_rng)
+        motion = Motion(robot, odometer)
+        send_packets = _packet_sender(motion, recorder, packets)
+        array = sonar_used.array(robot, world, noise_rng)
         control = driver_used.begin(driver_rng)
         newest_m = np.full(len(ring), np.inf)
-        for scan in range(scans):
-            begin_s = scan * firing.period_s
+        for scan, in_scan in groupby(pings(firing, len(ring), scans=scans), lambda ping: ping.scan):
             fired: list[int] = []
-            for slot in firing.slots(scan, len(ring)):
-                tell(begin_s + slot.offset_s)
-                drive.until(begin_s + slot.offset_s)
-                ears.fire(drive.time_s, slot.sonars, *transducers(ring, robot.pose))
-                recorder.fired(scan, drive.time_s, slot.sonars, odometer.pose, robot.pose)
-                fired += slot.sonars
-            echoes = ears.hear()
-            touched = drive.touched_since()
-            recorder.heard(echoes, touched=touched)
+            for ping in in_scan:
+                send_packets(ping.time_s)
+                motion.until(ping.time_s)
+                array.fire(ping.time_s, ping.sonars, *transducers(ring, robot.pose))
+                recorder.fired(scan, ping.time_s, ping.sonars, odometer.pose, robot.pose)
+                fired += ping.sonars
+            echoes = array.detect()
+            touched = motion.touched_since()
+            recorder.detected(echoes, touched=touched)
             newest_m[fired] = echoes.range_m
             if on_scan is not None:
                 on_scan(scan)
-            # The driver decides once a scan, when its last sonar has been heard.
-            sensed = Sensed(drive.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
-            drive.speeds_mps = control(sensed)
-        tell(scans * firing.period_s)  # the last packets tell the last readings
+            # The driver decides once a scan, when its last sonar has been read.
+            sensed = Sensed(motion.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
+            motion.speeds_mps = control(sensed)
+        send_packets(scans * firing.period_s)  # the last packets have the last readings
     return recorder.log(
         {
             "world": world.name,
             "world_parameters": dict(world.parameters),
             "seed": seed,
             "scans": scans,
-            "driver": _told(driver_used),
-            "sonar": _told(sonar_used),
+            "driver": _described(driver_used),
+            "sonar": _described(sonar_used),
             "engine": engine,
-            "odometry": _told(odometry),
-            **({} if packets is None else {"packets": _told(packets)}),
+            "odometry": _described(odometry),
+            **({} if packets is None else {"packets": _described(packets)}),
         }
     )
 
 
-def _teller(
-    drive: Drive, recorder: Recorder, packets: StatusPackets | None
+def _packet_sender(
+    motion: Motion, recorder: Recorder, packets: StatusPackets | None
 ) -> Callable[[float], None]:
-    """Return what drives on to the status packets that are due by a moment and notes them."""
-    told = 0
+    """Return what drives on to the status packets that are due by a time and records them."""
+    sent = 0
 
-    def tell(until_s: float) -> None:
-        nonlocal told
-        while packets is not None and (due_s := (told + 1) * packets.period_s) <= until_s + 1e-9:
-            drive.until(due_s)
-            recorder.told(due_s, drive.believed_pose)
-            told += 1
+    def send(until_s: float) -> None:
+        nonlocal sent
+        while packets is not None and (due_s := (sent + 1) * packets.period_s) <= until_s + 1e-9:
+            motion.until(due_s)
+            recorder.packet(due_s, motion.believed_pose)
+            sent += 1
 
-    return tell
+    return send
 
 
-def _told(part: object) -> dict[str, Any]:
+def _described(part: object) -> dict[str, Any]:
     """Return a configuration as JSON-able values, for the provenance."""
-    told: dict[str, Any] = {"kind": type(part).__name__}
+    described: dict[str, Any] = {"kind": type(part).__name__}
     if dataclasses.is_dataclass(part) and not isinstance(part, type):
         for field in dataclasses.fields(part):
             value = getattr(part, field.name)
             # The log carries its ring itself.
             if field.name != "ring":
-                told[field.name] = _told(value) if dataclasses.is_dataclass(value) else value
-    return told
+                is_part = dataclasses.is_dataclass(value)
+                described[field.name] = _described(value) if is_part else value
+    return described

@@ -1,1 +1,1 @@
-"""Sonars: when they fire, and what they hear."""
+"""Sonars: when they fire, and what they detect."""

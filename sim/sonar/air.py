@@ -37,7 +37,7 @@ class Air:
         return 331.3 * math.sqrt(1 + self.temperature_c / _ZERO_C_K)
 
     def absorption_db_per_m(self, frequency_hz: float) -> float:
-        """Return what a pure tone loses on a metre of its way, decibels.
+        """Return what a pure tone loses on a metre of its path, decibels.
 
         Notes
         -----
@@ -56,4 +56,5 @@ class Air:
             oxygen_hz + frequency_hz**2 / oxygen_hz
         ) + 0.1068 * math.exp(-3352.0 / kelvin) / (nitrogen_hz + frequency_hz**2 / nitrogen_hz)
         classical = 1.84e-11 * math.sqrt(warmth)
-        return 8.686 * frequency_hz**2 * (classical + warmth**-2.5 * relaxations)
+        loss_db: float = 8.686 * frequency_hz**2 * (classical + warmth**-2.5 * relaxations)
+        return loss_db

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from itertools import count
+from typing import NamedTuple, Protocol
 
+from sim.robot.clock import check_steps
 from sonarmap import InputError
 from sonarmap.errors import non_negative, positive
 
-__all__ = ["AllAtOnce", "Eeruf", "Firing", "InTurn", "Slot"]
+__all__ = ["AllAtOnce", "Eeruf", "Firing", "InTurn", "Ping", "Slot", "check_firing", "pings"]
 
 _EIGHT = tuple(range(8))
 
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """Sonars that fire at the same moment of a scan.
+    """Sonars that fire at the same time of a scan.
 
     Parameters
     ----------
@@ -30,8 +33,29 @@ class Slot:
     sonars: tuple[int, ...]
 
 
+class Ping(NamedTuple):
+    """One firing of a schedule: sonars that fire at the same time.
+
+    Parameters
+    ----------
+    scan : int
+        In which scan.
+    offset_s : float
+        Time since the scan began.
+    time_s : float
+        Time since the first scan began.
+    sonars : tuple of int
+        Their numbers in the ring.
+    """
+
+    scan: int
+    offset_s: float
+    time_s: float
+    sonars: tuple[int, ...]
+
+
 class Firing(Protocol):
-    """The times at which the sonars of a ring fire."""
+    """The times at which the sonars of a ring fire; `pings` walks through them."""
 
     @property
     def period_s(self) -> float:
@@ -46,6 +70,34 @@ class Firing(Protocol):
 
     def check(self, sonars: int) -> None:
         """Raise `InputError` if the schedule does not fit a ring of so many sonars."""
+
+
+def pings(firing: Firing, sonars: int, *, scans: int | None = None) -> Iterator[Ping]:
+    """Yield the firings of a ring in the order of time.
+
+    Parameters
+    ----------
+    firing : Firing
+        The schedule.
+    sonars : int
+        How many sonars the ring has.
+    scans : int, optional
+        Of so many scans, counted from 0; by default for ever.
+    """
+    for scan in count() if scans is None else range(scans):
+        begin_s = scan * firing.period_s
+        for slot in firing.slots(scan, sonars):
+            yield Ping(scan, slot.offset_s, begin_s + slot.offset_s, slot.sonars)
+
+
+def check_firing(firing: Firing, sonars: int) -> None:
+    """Raise `InputError` if a ring of so many sonars cannot fire between steps of the physics."""
+    firing.check(sonars)
+    check_steps("scan_period_s", firing.period_s)
+    # Two scans: EERUF's delays alternate.
+    offsets = {ping.offset_s for ping in pings(firing, sonars, scans=2)}
+    for offset_s in sorted(offsets - {0.0}):
+        check_steps("the time between firings", offset_s)
 
 
 @dataclass(frozen=True)
@@ -120,8 +172,8 @@ class InTurn:
 class Eeruf:
     """Sonars fire in quick succession, each after one of two delays, scan by scan in turn.
 
-    Between two scans the delays of two sonars change differently, so what a sonar hears of
-    another's sound moves by the difference, while its own echoes stay where they are:
+    Between two scans the delays of two sonars change differently, so what a sonar detects
+    of another's sound moves by the difference, while its own echoes stay where they are:
     `sonarmap.eeruf_accepts` keeps readings that agree with a neighbour in time. After Borenstein
     and Koren, "Error Eliminating Rapid Ultrasonic Firing for Mobile Robot Obstacle Avoidance",
     IEEE Transactions on Robotics and Automation 11(1), 1995.

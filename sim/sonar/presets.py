@@ -1,38 +1,77 @@
-"""The sonars that can be named: `preset`."""
+"""The sonars by name: `preset`."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
-from types import MappingProxyType
+from typing import Any
 
 from sim.sonar.cone.sonar import ConeSonar
 from sim.sonar.cone.webots import WebotsSonar
 from sim.sonar.physical.sonar import PhysicalSonar
 from sim.sonar.protocol import Sonar
 from sonarmap import AMIGOBOT, InputError, ring
-from sonarmap.errors import did_you_mean
+from sonarmap.registry import Registry
 
-__all__ = ["PRESETS", "preset"]
+__all__ = ["ARIA", "PHYSICAL", "PRESETS", "THESIS", "WEBOTS", "preset"]
 
-# `physical`: ARIA's ranges and the AmigoBot's symmetric ring, one sonar every 40 ms.
-# `thesis`: 175 ms, Rashid 2006 p. 59; 0.165 to 3.0 m, p. 56. `aria`: a status packet every 100 ms.
-PRESETS: Mapping[str, Sonar] = MappingProxyType(
+THESIS = ConeSonar("thesis", AMIGOBOT, scan_period_s=0.175)
+"""175 ms: Rashid 2006, p. 59; 0.165 to 3.0 m: p. 56."""
+ARIA = ConeSonar("aria", ring("amigobot-aria"), scan_period_s=0.100)
+"""A status packet every 100 ms."""
+WEBOTS = WebotsSonar("webots", ring("amigobot-aria"), scan_period_s=0.100)
+PHYSICAL = PhysicalSonar("physical", replace(AMIGOBOT, range_min_m=0.10, range_max_m=5.0))
+"""ARIA's ranges and the AmigoBot's symmetric ring, one sonar every 40 ms."""
+
+
+class _Presets(Registry[Sonar]):
+    """Sonars by name. A part is a sonar, or something that makes one without arguments."""
+
+    def __getitem__(self, name: str) -> Sonar:
+        return _sonar(name, super().__getitem__(name))
+
+    def find(self, name: str) -> Sonar:
+        """Return the sonar called `name`, see `preset`."""
+        return _sonar(name, super().find(name))
+
+
+PRESETS = _Presets(
+    "sonar",
+    "sonarbed.sonar_presets",
     {
-        sonar.name: sonar
-        for sonar in (
-            ConeSonar("thesis", AMIGOBOT, scan_period_s=0.175),
-            ConeSonar("aria", ring("amigobot-aria"), scan_period_s=0.100),
-            WebotsSonar("webots", ring("amigobot-aria"), scan_period_s=0.100),
-            PhysicalSonar("physical", replace(AMIGOBOT, range_min_m=0.10, range_max_m=5.0)),
-        )
-    }
+        "thesis": "sim.sonar.presets:THESIS",
+        "aria": "sim.sonar.presets:ARIA",
+        "webots": "sim.sonar.presets:WEBOTS",
+        "physical": "sim.sonar.presets:PHYSICAL",
+    },
 )
 
 
 def preset(name: str) -> Sonar:
-    """Return the preset called `name`, or raise `InputError` with the nearest known name."""
-    try:
-        return PRESETS[name]
-    except KeyError:
-        raise InputError(f"sonar {name!r} is unknown{did_you_mean(name, PRESETS)}") from None
+    """Return the sonar called `name`.
+
+    Parameters
+    ----------
+    name : str
+        A name of `PRESETS`, or ``package.module:Name`` of a sonar or of what makes one when it
+        is called without arguments.
+
+    Raises
+    ------
+    InputError
+        If there is no such sonar (with the nearest known name), or what the name stands for is
+        none.
+    """
+    return PRESETS.find(name)
+
+
+def _sonar(name: str, part: Any) -> Sonar:
+    """Return the sonar that a part is or makes."""
+    made = part
+    if callable(part):
+        try:
+            made = part()
+        except TypeError as error:
+            raise InputError(f"sonar {name!r} must be made without arguments: {error}") from error
+    if not all(hasattr(made, need) for need in ("ring", "firing", "array")):
+        raise InputError(f"sonar {name!r} must be a sonar or make one, got {made!r}")
+    return made  # type: ignore[no-any-return]

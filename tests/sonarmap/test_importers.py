@@ -488,7 +488,7 @@ def test_a_table_in_columns_of_blanks_is_told_what_to_do(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text(table_text("  "))
     with pytest.raises(
-        sm.InputError, match="its columns must be separated by commas, semicolons or tabs$"
+        sm.InputError, match=r"its columns must be separated by commas, semicolons or tabs$"
     ):
         sm.read_aria(path, sm.ring("amigobot-aria"))
 

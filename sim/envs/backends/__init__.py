@@ -1,1 +1,1 @@
-"""What moves the robots of an environment and lets them hear."""
+"""What moves the robots of an environment and fires their sonars."""

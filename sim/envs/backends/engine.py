@@ -1,83 +1,31 @@
-"""Physics of an environment: robots that drive and hear, an episode each."""
+"""`EngineBackend`: robots on any engine with any sonar, one by one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from itertools import count
-from typing import Protocol
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.engines.opening import open_engine
+from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.states import new_states
 from sim.robot.amigobot import WHEEL_RADIUS_M
-from sim.robot.odometry import Odometer, OdometryModel
-from sim.runs.drive import Drive, transducers
-from sim.sonar.protocol import Echoes, Sonar
-from worlds import Pose, World
+from sim.robot.odometry import Odometer
+from sim.runs.motion import Motion, transducers
+from sim.sonar.firing import Ping, pings
+from sim.sonar.protocol import Echoes
+from worlds import Pose
 
-__all__ = ["EnginePhysics", "Physics", "Setting"]
-
-
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """What an episode begins with.
-
-    Parameters
-    ----------
-    world : World
-        The room.
-    start : Pose
-        Where the robot begins, clear of every solid.
-    sonar : Sonar
-        Its sonars.
-    odometry : OdometryModel
-        Errors of its odometry.
-    noise_rng, slip_rng : numpy.random.Generator
-        Where the errors of the sonars and of the odometry are drawn from.
-    """
-
-    world: World
-    start: Pose
-    sonar: Sonar
-    odometry: OdometryModel
-    noise_rng: np.random.Generator
-    slip_rng: np.random.Generator
+__all__ = ["EngineBackend"]
 
 
-class Physics(Protocol):
-    """Robots that drive and hear, one a row."""
-
-    @property
-    def states(self) -> NDArray[np.void]:
-        """State of each robot (`sim.envs.states.robot_dtype`), changed in place by the others."""
-
-    def begin(self, row: int, setting: Setting) -> None:
-        """Begin an episode of one robot; what fires at time 0 is heard."""
-
-    def advance(self, wanted_mps: NDArray[np.float64], moves: NDArray[np.bool_]) -> None:
-        """Drive the robots of the rows that move for one control step.
-
-        Parameters
-        ----------
-        wanted_mps : ndarray, shape (robots, 2)
-            Wanted speeds of the left and right wheel.
-        moves : ndarray of bool, shape (robots,)
-            Which robots; the others stay as they are.
-        """
-
-    def close(self) -> None:
-        """Release what is held; closing twice is fine."""
-
-
-class EnginePhysics:
-    """Physics on any engine and any sonar, robot by robot.
+class EngineBackend:
+    """The `Backend` for any engine and any sonar, robot by robot.
 
     Parameters
     ----------
-    engine : {"bullet", "segments"}
+    engine : str
         What moves the robots and casts their rays.
     robots : int
         How many.
@@ -92,11 +40,11 @@ class EnginePhysics:
         self._robots: list[_Robot | None] = [None] * robots
         self.states = new_states(robots, sonars)
 
-    def begin(self, row: int, setting: Setting) -> None:
-        """Begin an episode of one robot; what fires at time 0 is heard."""
+    def begin(self, row: int, setup: EpisodeSetup) -> None:
+        """Begin an episode of one robot; what fires at time 0 is read."""
         self._leave(row)
-        self.states[row] = new_states(1, len(setting.sonar.ring))[0]
-        robot = self._robots[row] = _Robot(self._engine, setting)
+        self.states[row] = new_states(1, len(setup.sonar.ring))[0]
+        robot = self._robots[row] = _Robot(self._engine, setup)
         robot.advance(self.states[row], 0.0)
 
     def advance(self, wanted_mps: NDArray[np.float64], moves: NDArray[np.bool_]) -> None:
@@ -105,7 +53,7 @@ class EnginePhysics:
             robot = self._robots[row]
             assert robot is not None, "advanced before begin"
             left_mps, right_mps = wanted_mps[row].tolist()
-            robot.drive.speeds_mps = (left_mps, right_mps)
+            robot.motion.speeds_mps = (left_mps, right_mps)
             robot.advance(self.states[row], self._control_s)
 
     def close(self) -> None:
@@ -122,14 +70,14 @@ class EnginePhysics:
 class _Robot:
     """One robot in its episode."""
 
-    def __init__(self, engine: str, setting: Setting) -> None:
-        self.engine = open_engine(engine, setting.world, start=setting.start)
-        odometer = Odometer(setting.odometry, setting.start, setting.slip_rng)
-        self.drive = Drive(self.engine, odometer)
-        self._sonar = setting.sonar
-        self._ears = setting.sonar.ears(self.engine, setting.world, setting.noise_rng)
-        self._firings = self._all_firings()
-        self._next = next(self._firings)
+    def __init__(self, engine: str, setup: EpisodeSetup) -> None:
+        self.engine = open_engine(engine, setup.world, start=setup.start)
+        odometer = Odometer(setup.odometry, setup.start, setup.slip_rng)
+        self.motion = Motion(self.engine, odometer)
+        self._sonar = setup.sonar
+        self._array = setup.sonar.array(self.engine, setup.world, setup.noise_rng)
+        self._pings = pings(setup.sonar.firing, len(setup.sonar.ring))
+        self._next = next(self._pings)
         self._steps = 0
 
     def advance(self, state: np.void, control_s: float) -> None:
@@ -140,42 +88,35 @@ class _Robot:
         state["fresh"] = 0
         fired: list[int] = []
         # A firing at the very end of a step belongs to it: the newest that can be known.
-        while self._next[0] <= end_s + 1e-9:
-            fired += self._fire(state, *self._next)
-            self._next = next(self._firings)
-        self.drive.until(end_s)
+        while self._next.time_s <= end_s + 1e-9:
+            self._fire(state, self._next)
+            fired += self._next.sonars
+            self._next = next(self._pings)
+        self.motion.until(end_s)
         if fired:
-            echoes = self._ears.hear()
-            for name in _HEARD:
+            echoes = self._array.detect()
+            for name in _DETECTED:
                 state[name][fired] = getattr(echoes, name)
             state["fresh"][fired] = 1
         state["time_s"] = end_s
-        state["true_pose"] = _columns(self.drive.true_pose)
-        state["believed_pose"] = _columns(self.drive.believed_pose)
-        state["touched"] = self.drive.touched_since()
+        state["true_pose"] = _columns(self.motion.true_pose)
+        state["believed_pose"] = _columns(self.motion.believed_pose)
+        state["touched"] = self.motion.touched_since()
         if control_s:
             turned = np.subtract(self.engine.wheel_turns_rad, turned_rad)
             state["wheel_mps"] = turned * WHEEL_RADIUS_M / control_s
 
-    def _fire(self, state: np.void, time_s: float, sonars: tuple[int, ...]) -> tuple[int, ...]:
-        self.drive.until(time_s)
-        true, numbers = self.drive.true_pose, list(sonars)
-        self._ears.fire(time_s, sonars, *transducers(self._sonar.ring, true))
-        state["fired_s"][numbers] = time_s
+    def _fire(self, state: np.void, ping: Ping) -> None:
+        self.motion.until(ping.time_s)
+        true, numbers = self.motion.true_pose, list(ping.sonars)
+        self._array.fire(ping.time_s, ping.sonars, *transducers(self._sonar.ring, true))
+        state["fired_s"][numbers] = ping.time_s
         state["fired_true_pose"][numbers] = _columns(true)
-        state["fired_pose"][numbers] = _columns(self.drive.believed_pose)
-        return sonars
-
-    def _all_firings(self) -> Iterator[tuple[float, tuple[int, ...]]]:
-        """Yield the time and the sonars of every firing, for ever."""
-        firing, sonars = self._sonar.firing, len(self._sonar.ring)
-        for scan in count():
-            for slot in firing.slots(scan, sonars):
-                yield scan * firing.period_s + slot.offset_s, slot.sonars
+        state["fired_pose"][numbers] = _columns(self.motion.believed_pose)
 
 
-# Fields of a state that tell what a sonar heard.
-_HEARD = [field.name for field in fields(Echoes)]
+# Fields of a state that hold what a sonar detected.
+_DETECTED = [field.name for field in fields(Echoes)]
 
 
 def _columns(pose: Pose) -> tuple[float, float, float]:

@@ -1,12 +1,15 @@
-"""Compiled: the maps of many robots grow, are judged as they grow, and are seen from the robot."""
+"""Compiled: the maps of many robots grow, are scored as they grow, and are seen from the robot."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit, prange
+from numpy.typing import NDArray
 
+from sonarmap.kernels.cells import cell_index
 from sonarmap.kernels.fusion import cone_evidence
 from sonarmap.occupancy import FREE_UP_TO
 from sonarmap.scores.maps import CLAMP
@@ -16,6 +19,9 @@ __all__ = [
     "HIDDEN",
     "OCCUPIED",
     "REACHABLE",
+    "Cones",
+    "Maps",
+    "Readings",
     "add_fresh",
     "add_fresh_together",
     "fresh_echoes",
@@ -37,6 +43,68 @@ _BITS = 1 + np.log2(
 _STEPS = _BITS.size - 1
 
 
+class Maps(NamedTuple):
+    """The maps of robots, a row a robot; of one robot, without the first axis.
+
+    Parameters
+    ----------
+    log_odds : ndarray, shape (robots, rows, cols)
+        The cells.
+    kind : ndarray of int8, shape (robots, rows, cols)
+        What the cells are: `HIDDEN`, `OCCUPIED`, `FREE` or `REACHABLE`, which is free as well.
+    gains : ndarray, shape (robots, 3)
+        Bits gained and cells newly spoken of since it was cleared, and reachable cells that the
+        map calls free.
+    shapes, grids : ndarray, shapes (robots, 2), (robots, 3)
+        Rows and columns of each map; its lower-left corner and cell size, metres.
+    """
+
+    log_odds: NDArray[np.float64]
+    kind: NDArray[np.int8]
+    gains: NDArray[np.float64]
+    shapes: NDArray[np.int64]
+    grids: NDArray[np.float64]
+
+
+class Cones(NamedTuple):
+    """The cones of a ring.
+
+    Parameters
+    ----------
+    mounts : ndarray, shape (sonars, 3)
+        Place and axis of each sonar in the robot's frame.
+    half_angle, bearing
+        See `sonarmap.kernels.fusion.cone_evidence`.
+    """
+
+    mounts: NDArray[np.float64]
+    half_angle: float
+    bearing: NDArray[np.float64]
+
+
+class Readings(NamedTuple):
+    """The readings of the last control step that say something.
+
+    Parameters
+    ----------
+    number : ndarray of int, shape (robots, sonars)
+        Which of the regions are a sonar's; -1 if its reading says nothing.
+    border, axis, edge : ndarray, shapes (regions, 3), (regions, 3, 2), (regions, 3, 2)
+        `Regions` of the readings.
+    """
+
+    number: NDArray[np.int64]
+    border: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    edge: NDArray[np.float64]
+
+
+@njit(cache=True)
+def _map_of(maps, robot):
+    log_odds, kind, gains, shapes, grids = maps
+    return Maps(log_odds[robot], kind[robot], gains[robot], shapes[robot], grids[robot])
+
+
 @njit(cache=True)
 def _bits(log_odds):
     place = (min(max(log_odds, -_LIMIT), _LIMIT) + _LIMIT) * (_STEPS / (2 * _LIMIT))
@@ -45,14 +113,13 @@ def _bits(log_odds):
 
 
 @njit(cache=True)
-def _add_reading(
-    log_odds, kind, gains, shape, grid, x, y, axis_rad, half_angle,
-    border, axis, edge, bearing, runs, cells,
-):  # fmt: skip
-    """Add one reading to one map, and what it gains to `gains`; see `add_fresh`."""
+def _add_reading(own, sensor, cones, readings, i, cells, runs):
+    """Add reading `i`, taken at a sensor (x, y, axis), to one robot's map; see `add_fresh`."""
+    log_odds, kind, gains, shape, grid = own
     row_begin, row_end = cone_evidence(
-        shape[0], shape[1], grid[0], grid[1], grid[2], x, y, axis_rad, half_angle,
-        border, axis, edge, bearing, runs, cells,
+        shape[0], shape[1], grid[0], grid[1], grid[2], sensor[0], sensor[1], sensor[2],
+        cones.half_angle, readings.border[i], readings.axis[i], readings.edge[i], cones.bearing,
+        runs, cells,
     )  # fmt: skip
     evidence = cells[5]
     n, gained, new_cells, freed = 0, 0.0, 0, 0
@@ -80,7 +147,7 @@ def _add_reading(
 
 @njit(cache=True)
 def fresh_echoes(states, limit_m):
-    """Return the ranges of what was heard in the last control step, and which of them is whose.
+    """Return the ranges of what was read in the last control step, and which of them is whose.
 
     Parameters
     ----------
@@ -109,10 +176,7 @@ def fresh_echoes(states, limit_m):
 
 
 @njit(cache=True)
-def add_fresh(
-    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
-    border, axis, edge, bearing, cells, runs,
-):  # fmt: skip
+def add_fresh(states, rows, maps, cones, readings, cells, runs):
     """Add the readings of the last control step to the maps of robots.
 
     Parameters
@@ -121,70 +185,53 @@ def add_fresh(
         `sim.envs.states.robot_dtype`.
     rows : ndarray of int
         Which robots.
-    log_odds : ndarray, shape (robots, rows, cols)
-        Their maps, changed in place.
-    kind : ndarray of int8, shape (robots, rows, cols)
-        What the cells are: `HIDDEN`, `OCCUPIED`, `FREE` or `REACHABLE`, which is free as well.
-    gains : ndarray, shape (robots, 3)
-        Changed in place: bits gained and cells newly spoken of since it was cleared, and
-        reachable cells that the map calls free.
-    shapes, grids : ndarray, shapes (robots, 2), (robots, 3)
-        Rows and columns of each map; its lower-left corner and cell size, metres.
-    mounts : ndarray, shape (sonars, 3)
-        Place and axis of each sonar in the robot's frame.
-    half_angle, bearing
-        See `sonarmap.kernels.fusion.cone_evidence`.
-    number : ndarray of int, shape (robots, sonars)
-        Which of the regions are a reading's; -1 if it says nothing.
-    border, axis, edge : ndarray, shapes (regions, 3), (regions, 3, 2), (regions, 3, 2)
-        `Regions` of the readings that say something.
+    maps, cones, readings : tuple
+        Fields of `Maps`, changed in place, `Cones` and `Readings`. (Numba takes a plain tuple over
+        from Python in less than half of the time of a named one.)
     cells, runs
         Working memory, see `sonarmap.kernels.fusion.cone_evidence`.
     """
+    maps, cones, readings = Maps(*maps), Cones(*cones), Readings(*readings)
+    mounts = cones.mounts
     for row in rows:
+        own = _map_of(maps, row)
         for k in range(mounts.shape[0]):
-            i = number[row, k]
+            i = readings.number[row, k]
             if i < 0:
                 continue
             pose = states[row].fired_pose[k]
             cos, sin = math.cos(pose[2]), math.sin(pose[2])
-            _add_reading(
-                log_odds[row], kind[row], gains[row], shapes[row], grids[row],
+            sensor = (
                 pose[0] + cos * mounts[k, 0] - sin * mounts[k, 1],
                 pose[1] + sin * mounts[k, 0] + cos * mounts[k, 1],
                 pose[2] + mounts[k, 2],
-                half_angle, border[i], axis[i], edge[i], bearing, runs, cells,
-            )  # fmt: skip
+            )
+            _add_reading(own, sensor, cones, readings, i, cells, runs)
 
 
 @njit(cache=True, parallel=True)
-def add_fresh_together(
-    states, rows, log_odds, kind, gains, shapes, grids, mounts, half_angle, number,
-    border, axis, edge, bearing, cells, runs,
-):  # fmt: skip
+def add_fresh_together(states, rows, maps, cones, readings, cells, runs):
     """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
     jobs = runs.shape[0]
     a, b, c, d, e, f = cells
     for job in prange(jobs):
         begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
-        add_fresh(
-            states, rows[begin:end], log_odds, kind, gains, shapes, grids, mounts,
-            half_angle, number, border, axis, edge, bearing,
-            (a[job], b[job], c[job], d[job], e[job], f[job]), runs[job],
-        )  # fmt: skip
+        own = a[job], b[job], c[job], d[job], e[job], f[job]
+        add_fresh(states, rows[begin:end], maps, cones, readings, own, runs[job])
 
 
 @njit(cache=True)
-def _see_patch(patch, pose, log_odds, shape, grid, cell_m):
+def _see_patch(patch, pose, own, cell_m):
     """Write the map around one robot; see `see_patches`."""
+    log_odds, _, _, shape, grid = own
     size = patch.shape[0]
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for i in range(size):
         ahead = (0.5 * size - 0.5 - i) * cell_m
         for j in range(size):
             aside = (0.5 * size - 0.5 - j) * cell_m
-            col = math.floor((pose[0] + cos * ahead - sin * aside - grid[0]) / grid[2])
-            row = math.floor((pose[1] + sin * ahead + cos * aside - grid[1]) / grid[2])
+            col = cell_index(pose[0] + cos * ahead - sin * aside, grid[0], grid[2])
+            row = cell_index(pose[1] + sin * ahead + cos * aside, grid[1], grid[2])
             known = 0.0
             if 0 <= row < shape[0] and 0 <= col < shape[1]:
                 known = log_odds[row, col]
@@ -193,7 +240,7 @@ def _see_patch(patch, pose, log_odds, shape, grid, cell_m):
 
 
 @njit(cache=True)
-def see_patches(patches, states, log_odds, shapes, grids, cell_m):
+def see_patches(patches, states, maps, cell_m):
     """Write the maps around the robots as they see them.
 
     Parameters
@@ -201,23 +248,19 @@ def see_patches(patches, states, log_odds, shapes, grids, cell_m):
     patches : ndarray of uint8, shape (robots, 1, size, size)
         Written: P(occupied) times 255; the first row is farthest ahead, the first column farthest
         left. What is not in the map is unknown, 128.
-    states, log_odds, shapes, grids
+    states, maps
         As for `add_fresh`.
     cell_m : float
         Side of a cell of the patch, metres.
     """
+    maps = Maps(*maps)
     for robot in range(states.size):
-        _see_patch(
-            patches[robot, 0], states[robot].believed_pose,
-            log_odds[robot], shapes[robot], grids[robot], cell_m,
-        )  # fmt: skip
+        _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)
 
 
 @njit(cache=True, parallel=True)
-def see_patches_together(patches, states, log_odds, shapes, grids, cell_m):
+def see_patches_together(patches, states, maps, cell_m):
     """Do as `see_patches` on all cores."""
+    maps = Maps(*maps)
     for robot in prange(states.size):
-        _see_patch(
-            patches[robot, 0], states[robot].believed_pose,
-            log_odds[robot], shapes[robot], grids[robot], cell_m,
-        )  # fmt: skip
+        _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)

@@ -13,6 +13,9 @@ from sim.envs.maps.kernel import (
     HIDDEN,
     OCCUPIED,
     REACHABLE,
+    Cones,
+    Maps,
+    Readings,
     add_fresh,
     add_fresh_together,
     fresh_echoes,
@@ -57,15 +60,20 @@ class RobotMaps:
         self, robots: int, ring: SonarRing, model: SensorModel, max_range_m: float = math.inf
     ) -> None:
         self._model = model
-        self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
-        self._bearing = bearing_polynomial(model.half_angle_rad)
+        self._cones = Cones(
+            np.column_stack([ring.x_m, ring.y_m, ring.heading_rad]),
+            model.half_angle_rad,
+            bearing_polynomial(model.half_angle_rad),
+        )
         self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
         self._facts: list[RoomFacts | None] = [None] * robots
-        self._log_odds = np.zeros((robots, 1, 1))
-        self._kind = np.zeros((robots, 1, 1), np.int8)
-        self._shapes = np.ones((robots, 2), np.int64)
-        self._grids = np.ones((robots, 3))
-        self._gains = np.zeros((robots, 3))
+        self._maps = Maps(
+            log_odds=np.zeros((robots, 1, 1)),
+            kind=np.zeros((robots, 1, 1), np.int8),
+            gains=np.zeros((robots, 3)),
+            shapes=np.ones((robots, 2), np.int64),
+            grids=np.ones((robots, 3)),
+        )
         self._cells = tuple(np.empty((_JOBS, 1)) for _ in range(6))
         self._runs = np.empty((_JOBS, 2, 1), np.int64)
 
@@ -74,15 +82,16 @@ class RobotMaps:
         grid = facts.grid
         self._facts[row] = facts
         self._grow(*grid.shape)
-        self._log_odds[row] = 0.0
-        self._kind[row] = HIDDEN
-        kind = self._kind[row, : grid.rows, : grid.cols]
+        maps = self._maps
+        maps.log_odds[row] = 0.0
+        maps.kind[row] = HIDDEN
+        kind = maps.kind[row, : grid.rows, : grid.cols]
         kind[facts.sign == 1] = OCCUPIED
         kind[facts.sign == -1] = FREE
         kind[facts.reachable] = REACHABLE
-        self._shapes[row] = grid.shape
-        self._grids[row] = *grid.origin_xy_m, grid.resolution_m
-        self._gains[row] = 0.0
+        maps.shapes[row] = grid.shape
+        maps.grids[row] = *grid.origin_xy_m, grid.resolution_m
+        maps.gains[row] = 0.0
         reach_m = self._model.regions(np.array([self._limit_m])).reach_m
         self._need(cone_room(*grid.shape, grid.resolution_m, reach_m), grid.rows)
 
@@ -91,25 +100,11 @@ class RobotMaps:
 
         `bits_gained` and `new_cells` are then those of this call.
         """
-        self._gains[rows, :2] = 0.0
+        self._maps.gains[rows, :2] = 0.0
         range_m, number = fresh_echoes(states, self._limit_m)
         regions = self._model.regions(range_m)
-        work = (
-            states,
-            rows,
-            self._log_odds,
-            self._kind,
-            self._gains,
-            self._shapes,
-            self._grids,
-            self._mounts,
-            self._model.half_angle_rad,
-            number,
-            regions.border_m,
-            regions.axis,
-            regions.edge,
-            self._bearing,
-        )
+        readings = Readings(number, regions.border_m, regions.axis, regions.edge)
+        work = states, rows, tuple(self._maps), tuple(self._cones), tuple(readings)
         if rows.size < _FEW:
             add_fresh(*work, tuple(part[0] for part in self._cells), self._runs[0])
         else:
@@ -118,48 +113,51 @@ class RobotMaps:
     @property
     def bits_gained(self) -> NDArray[np.float64]:
         """Bits of the map score, summed over the cells, that the last readings gained."""
-        return self._gains[:, 0].copy()
+        return self._maps.gains[:, 0].copy()
 
     @property
     def new_cells(self) -> NDArray[np.float64]:
         """Cells, free or occupied in truth, of which the last readings were the first to speak."""
-        return self._gains[:, 1].copy()
+        return self._maps.gains[:, 1].copy()
 
     @property
     def mapped_cells(self) -> NDArray[np.float64]:
         """Reachable cells that each map calls free."""
-        return self._gains[:, 2].copy()
+        return self._maps.gains[:, 2].copy()
 
     def patches(self, states: NDArray[np.void], size: int, cell_m: float) -> NDArray[np.uint8]:
         """Return the maps around the robots, see `sim.envs.maps.kernel.see_patches`."""
         patches = np.empty((len(states), 1, size, size), np.uint8)
         see = see_patches if len(states) < _FEW else see_patches_together
-        see(patches, states, self._log_odds, self._shapes, self._grids, cell_m)
+        see(patches, states, tuple(self._maps), cell_m)
         return patches
 
     def map_of(self, row: int) -> OccupancyMap:
         """Return a copy of one robot's map."""
         facts = self._facts[row]
         assert facts is not None, "asked before begin"
-        return OccupancyMap(facts.grid, self._log_odds[row, : facts.grid.rows, : facts.grid.cols])
+        return OccupancyMap(
+            facts.grid, self._maps.log_odds[row, : facts.grid.rows, : facts.grid.cols]
+        )
 
     def _need(self, room: int, rows: int) -> None:
         """Hold working memory for cones of so many cells and rows, a row of it for each job.
 
         It is kept: to get it anew at every step would cost as much as the work.
         """
-        room, rows = max(room, self._cells[0].shape[1]), max(rows, self._runs.shape[2])
-        if room > self._cells[0].shape[1] or rows > self._runs.shape[2]:
-            self._cells = tuple(np.empty((_JOBS, room)) for _ in range(6))
-            self._runs = np.empty((_JOBS, 2, rows), np.int64)
+        had_room, had_rows = self._cells[0].shape[1], self._runs.shape[2]
+        if room > had_room or rows > had_rows:
+            self._cells = tuple(np.empty((_JOBS, max(room, had_room))) for _ in range(6))
+            self._runs = np.empty((_JOBS, 2, max(rows, had_rows)), np.int64)
 
     def _grow(self, rows: int, cols: int) -> None:
-        robots, had_rows, had_cols = self._log_odds.shape
+        robots, had_rows, had_cols = self._maps.log_odds.shape
         shape = robots, max(rows, had_rows), max(cols, had_cols)
-        if shape == self._log_odds.shape:
+        if shape == self._maps.log_odds.shape:
             return
-        for name in ("_log_odds", "_kind"):
-            old = getattr(self, name)
-            new = np.zeros(shape, old.dtype)
-            new[:, :had_rows, :had_cols] = old
-            setattr(self, name, new)
+        grown = {}
+        for name in ("log_odds", "kind"):
+            old = getattr(self._maps, name)
+            grown[name] = np.zeros(shape, old.dtype)
+            grown[name][:, :had_rows, :had_cols] = old
+        self._maps = self._maps._replace(**grown)

@@ -96,10 +96,11 @@ class Scene:
             raise InputError(f"caption must be one line, got {self.caption!r}")
         if (self.probability is None) != (self.grid is None):
             raise InputError("probability and grid must be given together, got one of them")
-        if self.grid is not None and self.probability.shape != self.grid.shape:
+        if self.grid is None or self.probability is None:
+            return
+        if (shape := self.probability.shape) != self.grid.shape:
             raise InputError(
-                f"probability must have the shape of its grid, {self.grid.shape}, "
-                f"got {self.probability.shape}"
+                f"probability must have the shape of its grid, {self.grid.shape}, got {shape}"
             )
 
 
@@ -190,8 +191,10 @@ def _room_panel(scene: Scene, plan: Layout, room: Image.Image) -> Image.Image:
 
 
 def _map_panel(scene: Scene, plan: Layout) -> Image.Image:
-    grid = scene.grid
-    grey = np.round(255 * (1 - scene.probability)).astype(np.uint8)
+    grid, probability = scene.grid, scene.probability
+    assert grid is not None, "a panel without a map"
+    assert probability is not None, "a grid without its map"
+    grey = np.round(255 * (1 - probability)).astype(np.uint8)
     # From a pixel of the panel to a cell: columns grow with x, rows upwards.
     cells_a_pixel = 1 / (plan.pixels_per_m * _FINE * grid.resolution_m)
     left, top = (np.array(plan.corner_m) - grid.origin_xy_m) / grid.resolution_m

@@ -123,7 +123,8 @@ def _numbered(numbers: _Bytes, palette: _Bytes) -> Image.Image:
 def _packed(frame: _Bytes) -> NDArray[np.int32]:
     """Return each colour as one number."""
     red, green, blue = np.moveaxis(frame.astype(np.int32), -1, 0)
-    return red << 16 | green << 8 | blue
+    packed: NDArray[np.int32] = red << 16 | green << 8 | blue
+    return packed
 
 
 def _unpacked(packed: NDArray[np.integer]) -> _Bytes:
@@ -132,4 +133,5 @@ def _unpacked(packed: NDArray[np.integer]) -> _Bytes:
 
 def _durations_ms(count: int, fps: float) -> list[int]:
     begins = np.round(100 * np.arange(count + 1) / fps).astype(int)
-    return (10 * np.diff(begins)).tolist()
+    durations_ms: list[int] = (10 * np.diff(begins)).tolist()
+    return durations_ms

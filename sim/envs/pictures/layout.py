@@ -148,7 +148,8 @@ def _legend_columns(font_px: int, lines: int) -> tuple[list[tuple[int, int]], in
     if lines == 0:
         return [], 0
     per_line = -(-len(LEGEND) // lines)
-    places, ends = [], []
+    places: list[tuple[int, int]] = []
+    ends: list[int] = []
     for entry, (name, _) in enumerate(LEGEND):
         line, column = divmod(entry, per_line)
         left_px = 0 if column == 0 else ends[-1]
@@ -159,6 +160,6 @@ def _legend_columns(font_px: int, lines: int) -> tuple[list[tuple[int, int]], in
 
 
 @cache
-def font(size_px: int) -> ImageFont.FreeTypeFont:
+def font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Return Pillow's own font: the same letters on every machine."""
     return ImageFont.load_default(size_px)

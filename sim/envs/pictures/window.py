@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from gymnasium.error import DependencyNotInstalled
@@ -41,7 +42,7 @@ class Window:
         self._title = title
         self._pygame = _pygame()
         self._clock = self._pygame.time.Clock()
-        self._window = None
+        self._window: Any = None
         self._is_closed = False
 
     @property

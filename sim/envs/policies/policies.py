@@ -19,7 +19,7 @@ from scipy.ndimage import binary_dilation, distance_transform_edt, label
 from sim.envs.env import Observation
 from sim.envs.policies.kernel import step_towards
 from sim.robot.amigobot import BODY_RADIUS_M
-from sonarmap import SonarRing, ring
+from sonarmap import GridSpec, SonarRing, ring
 from sonarmap.errors import positive
 from sonarmap.occupancy import FREE_UP_TO, OCCUPIED_FROM
 
@@ -48,13 +48,13 @@ _FREE_BYTE, _OCCUPIED_BYTE = 255 * FREE_UP_TO, 255 * OCCUPIED_FROM
 _FRONTIER_CELLS = 4
 # The newest readings up to here speak louder than the map; a cone is drawn as so many points.
 _NEAR_ECHO_M, _FAN = 1.5, 9
-# The robot keeps so far from occupied cells if it can; ways nearer to them count as longer.
+# The robot keeps so far from occupied cells if it can; paths nearer to them count as longer.
 _ROOMY_M, _NARROW_COST = 0.5, 3.0
 # To turn by a radian takes as long as to drive so far.
 _TURN_COST_M = 0.5
 # How far ahead of its heading a robot that turns at full speed counts as being.
 _LEAD_RAD = 1.0
-# It steers to a point so far down its way.
+# It steers to a point so far down its path.
 _LOOK_AHEAD_M = 0.5
 _FRONTIER_SHARE = 0.6
 
@@ -132,7 +132,7 @@ def frontier_policy(
         range_m = looks.range_m(observation)
         turning = float(observation["last_action"][1])
         patch = _with_echoes(observation["map"][0], looks.echoes_m(range_m), cell_m)
-        target = _way_to_frontier(patch, cell_m, turning)
+        target = _path_to_frontier(patch, cell_m, turning)
         if target is None:
             blocked = looks.ahead_m(range_m) < _SLOW_M
             turn = 0.8 * looks.clearer_side(range_m) if blocked else 0.0
@@ -217,22 +217,25 @@ def _with_echoes(
 ) -> NDArray[np.uint8]:
     """Return a patch in which the cells of points, metres ahead and to the left, are occupied.
 
-    Long readings by way of a mirror may have wiped a wall off the map that the sonars hear.
+    Long readings over a mirror may have wiped a wall off the map that the sonars detect.
     """
-    marked, size = patch.copy(), len(patch)
-    cells = np.floor(0.5 * size - points_m / cell_m).astype(int)
-    rows, cols = cells[((cells >= 0) & (cells < size)).all(axis=1)].T
-    marked[rows, cols] = 255
+    # In units of its cells, downwards and to the right.
+    grid = GridSpec(1.0, (0.0, 0.0), patch.shape)
+    down, right = (0.5 * len(patch) - points_m / cell_m).T
+    rows, cols = grid.cell_of(right, down)
+    inside = grid.contains(rows, cols)
+    marked = patch.copy()
+    marked[rows[inside], cols[inside]] = 255
     return marked
 
 
-def _way_to_frontier(
+def _path_to_frontier(
     patch: NDArray[np.uint8], cell_m: float, turning: float
 ) -> tuple[float, float] | None:
-    """Return a point on the shortest way to a frontier, metres ahead and to the left.
+    """Return a point on the shortest path to a frontier, metres ahead and to the left.
 
     None if no frontier can be reached. `turning` is the share of the fastest turn that was wanted
-    last: a way that goes on turning so is preferred, or the robot would waver between two.
+    last: a path that goes on turning so is preferred, or the robot would waver between two.
     """
     size = len(patch)
     middle = (size - 1) / 2

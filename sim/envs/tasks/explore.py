@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
-from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from sim.envs.tasks.task import Briefing, Moment, Verdict, weighted
+from sim.envs.tasks.task import Evaluation, StepOutcome, Task, TaskSetup
 
 __all__ = ["Explore", "ExploreWeights", "explore_terms"]
 
@@ -24,57 +22,51 @@ class ExploreWeights:
     effort: float = -0.01
 
 
-class Explore:
-    """Judges how the truth of the robots' maps grows.
+class Explore(Task):
+    """Map an unknown room with sonar alone.
 
-    Parameters
-    ----------
-    robots : int
-        How many.
-    weights : ExploreWeights, optional
-        Of the terms of the reward.
+    Terms of the reward (weights: `ExploreWeights`)
+    -----------------------------------------------
+    ``map_score``: gain of the true map score in this step, bit m^2, summed over the cells that
+    are not hidden. ``area``: m^2 of which a reading spoke for the first time. ``collision``: 1 if
+    the robot touched something. ``effort``: mean square of the wanted wheel speeds over 0.75 m/s.
+
+    Ends
+    ----
+    When the map calls 95 % of the cells that the robot can reach free; ``info["mapped_share"]``.
+    After 1200 steps.
     """
+
+    weights_class = ExploreWeights
+    # Control steps of a tenth of a second; assumed.
+    max_episode_steps = 1200
+    needs_maps = True
 
     MAPPED_SHARE = 0.95
     """The episode ends when the map calls this share of the reachable cells free; assumed."""
 
-    needs_maps = True
-    observations: Mapping[str, Box] = {}
-
     def __init__(self, robots: int, weights: ExploreWeights | None = None) -> None:
-        self._weights = asdict(weights or ExploreWeights())
+        super().__init__(robots, weights)
         self._cell_m2, self._reachable = np.ones((2, robots))
 
-    def begin(self, row: int, briefing: Briefing) -> None:
+    def begin(self, row: int, setup: TaskSetup) -> None:
         """Begin the episode of one robot."""
-        self._cell_m2[row] = briefing.facts.grid.cell_area_m2
-        self._reachable[row] = briefing.facts.reachable_cells
+        self._cell_m2[row] = setup.facts.grid.cell_area_m2
+        self._reachable[row] = setup.facts.reachable_cells
 
-    def observe(self, states: NDArray[np.void]) -> dict[str, NDArray[np.float32]]:
-        """Return nothing: the robot is told nothing."""
-        return {}
-
-    def judge(self, moment: Moment) -> Verdict:
-        """Judge the control step that has just ended."""
-        maps = moment.maps
+    def evaluate(self, outcome: StepOutcome) -> Evaluation:
+        """Evaluate the control step that has just ended."""
+        maps = outcome.maps
         assert maps is not None, "Explore needs maps"
         terms = explore_terms(
             maps.bits_gained * self._cell_m2,
             maps.new_cells * self._cell_m2,
-            moment.states["touched"],
-            moment.effort,
+            outcome.states["touched"],
+            outcome.effort,
         )
         mapped_share = maps.mapped_cells / self._reachable
-        return Verdict(
-            terms,
-            weighted(terms, self._weights),
-            moment.stuck | (mapped_share >= self.MAPPED_SHARE),
-            {"mapped_share": mapped_share},
-        )
-
-    def goal_of(self, row: int) -> tuple[float, float] | None:
-        """Return None: there is no goal."""
-        return None
+        done = outcome.stuck | (mapped_share >= self.MAPPED_SHARE)
+        return self.evaluation(terms, done, mapped_share=mapped_share)
 
 
 def explore_terms(
@@ -95,7 +87,7 @@ def explore_terms(
     touched : ndarray of bool
         Whether the robot touched something.
     effort : ndarray
-        See `Moment`.
+        See `sim.envs.tasks.task.StepOutcome`.
     """
     return {
         "map_score": score_m2,

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from sim.envs.facts import RoomFacts
-from sim.envs.maps.robot_maps import RobotMaps
 from worlds import Pose
 
-__all__ = ["Briefing", "Moment", "Task", "Verdict", "weighted"]
+if TYPE_CHECKING:  # `import sim` loads the tasks, and what they are handed is slow to load
+    from _typeshed import DataclassInstance
+
+    from sim.envs.facts import RoomFacts
+    from sim.envs.maps.robot_maps import RobotMaps
+
+__all__ = ["Evaluation", "StepOutcome", "Task", "TaskSetup", "weighted"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Briefing:
-    """What a task is told when an episode begins.
+class TaskSetup:
+    """What the task of one robot begins with.
 
     Parameters
     ----------
@@ -40,8 +45,8 @@ class Briefing:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
-    """What a task judges: robots at the end of a control step, a row a robot.
+class StepOutcome:
+    """What a task evaluates: robots at the end of a control step, a row a robot.
 
     Parameters
     ----------
@@ -62,7 +67,7 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict:
+class Evaluation:
     """How well the robots do, a row a robot.
 
     Parameters
@@ -74,7 +79,7 @@ class Verdict:
     terminated : ndarray of bool, shape (robots,)
         Who is done.
     info : mapping of str to ndarray
-        What else there is to tell.
+        What else the environment's info has.
     """
 
     terms: Mapping[str, NDArray[np.float64]]
@@ -83,26 +88,59 @@ class Verdict:
     info: Mapping[str, NDArray[Any]]
 
 
-class Task(Protocol):
-    """What robots are asked to do; holds the task's state of every robot."""
+class Task(ABC):
+    """What robots are asked to do; holds the task's state of every robot.
 
-    needs_maps: bool
-    """Whether it judges the robots' maps."""
+    A task is one file. The docstring of its class is the specification of its environments, which
+    are made from it (`sim.envs.environments`): what is observed beside what all robots sense, the
+    terms of the reward, and when an episode ends.
 
-    observations: Mapping[str, Box]
-    """What the robot is told beside what it senses."""
+    Parameters
+    ----------
+    robots : int
+        How many.
+    weights : object, optional
+        Weights of the reward's terms, by default ``weights_class()``.
+    """
 
-    def begin(self, row: int, briefing: Briefing) -> None:
+    weights_class: ClassVar[type[DataclassInstance]]
+    """Frozen dataclass of the weights, a field a term of the reward, with defaults."""
+
+    max_episode_steps: ClassVar[int | None] = None
+    """Episodes are truncated after so many control steps; None: never."""
+
+    needs_maps: ClassVar[bool] = False
+    """Whether it evaluates the robots' maps."""
+
+    observations: ClassVar[Mapping[str, Box]] = {}
+    """What the robot observes beside what it senses."""
+
+    def __init__(self, robots: int, weights: DataclassInstance | None = None) -> None:
+        self._weights = asdict(self.weights_class() if weights is None else weights)
+
+    def begin(self, row: int, setup: TaskSetup) -> None:  # noqa: B027 - nothing, by default
         """Begin the episode of one robot."""
 
     def observe(self, states: NDArray[np.void]) -> dict[str, NDArray[np.float32]]:
         """Return new arrays of what is in `observations`, a row a robot."""
+        return {}
 
-    def judge(self, moment: Moment) -> Verdict:
-        """Judge the control step that has just ended."""
+    @abstractmethod
+    def evaluate(self, outcome: StepOutcome) -> Evaluation:
+        """Evaluate the control step that has just ended."""
 
     def goal_of(self, row: int) -> tuple[float, float] | None:
-        """Return where a robot shall go, for the picture."""
+        """Return where a robot shall go, metres, for the picture; None without a goal."""
+        return None
+
+    def evaluation(
+        self,
+        terms: Mapping[str, NDArray[np.float64]],
+        terminated: NDArray[np.bool_],
+        **info: NDArray[Any],
+    ) -> Evaluation:
+        """Return the evaluation with the weighted sum of its terms as the reward."""
+        return Evaluation(terms, weighted(terms, self._weights), terminated, info)
 
 
 def weighted(

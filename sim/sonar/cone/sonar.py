@@ -1,8 +1,8 @@
 """The simple cone: a fan of rays, the first return, and mirrors beyond a critical angle.
 
-A ray-following sonar after Wilkes, Dudek, Jenkin and Milios (SPIE 1388, 1990), cut down to what
+A ray-tracing sonar after Wilkes, Dudek, Jenkin and Milios (SPIE 1388, 1990), cut down to what
 the thesis describes: a surface met beyond its material's critical incidence angle mirrors the
-sound away; the ray is followed, and comes back the way it went once it meets a surface within
+sound away; the ray is traced on, and comes back along its path once it meets a surface within
 its critical angle.
 """
 
@@ -11,13 +11,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.engines.protocol import RayCaster
+from sim.sonar.air import Air
+from sim.sonar.causes import cause_of
+from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.cone.kernel import all_measured, meet_surfaces, open_fans
-from sim.sonar.protocol import Echoes, SonarTogether, cause_of
+from sim.sonar.protocol import Echoes
+from sim.sonar.simultaneous import SimultaneousSonar
 from sonarmap import InputError, LogTruth
 from sonarmap.errors import non_negative, positive
 from worlds import World
@@ -26,25 +31,25 @@ __all__ = ["ConeSonar"]
 
 
 @dataclass(frozen=True)
-class ConeSonar(SonarTogether):
-    """A ring whose sonars hear the nearest surface in a fan of rays that sends sound back.
+class ConeSonar(SimultaneousSonar):
+    """A ring whose sonars detect the nearest surface in a fan of rays that sends sound back.
 
     Parameters
     ----------
     name, ring, scan_period_s
-        See `sim.sonar.protocol.SonarTogether`.
+        See `sim.sonar.simultaneous.SimultaneousSonar`.
     rays : int
         Rays of a fan, odd (one lies on the axis), >= 3. 31 over 30 degrees find the foot of a
         perpendicular to 0.04 mm at 1 m.
     max_bounces : int
-        How many mirroring surfaces a sound is followed over, >= 0; then it is lost.
+        How many mirroring surfaces a sound is traced over, >= 0; then it is lost.
     noise_std_m : float
         Standard deviation of the range noise, metres; the roughness of the surface that sends
         the echo adds to it as an independent error.
     quantum_m : float
         Readings are whole multiples of it, metres; 0 for none.
     threshold : float
-        An echo is heard while the product of the reflectivities on its way is at least this.
+        An echo is detected while the product of the reflectivities on its path is at least this.
     range_scale : float
         Readings are this many times the range, > 0: the speed of sound that the robot assumes
         over that in the air (`sim.Air`).
@@ -56,7 +61,7 @@ class ConeSonar(SonarTogether):
     noise_std_m: float = 0.001
     # The robot's protocol speaks in millimetres.
     quantum_m: float = 0.001
-    # Assumed: with it curtain and foam are silent and two mirrors are still heard.
+    # Assumed: with it curtain and foam are silent and two mirrors are still detected.
     threshold: float = 0.3
     range_scale: float = 1.0
 
@@ -79,7 +84,7 @@ class ConeSonar(SonarTogether):
         axis_rad: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> Echoes:
-        """Fire the first k sonars of the ring at once and return what they hear.
+        """Fire the first k sonars of the ring at once and return what they detect.
 
         Parameters
         ----------
@@ -92,59 +97,59 @@ class ConeSonar(SonarTogether):
         axis_rad : ndarray, shape (k,)
             True directions of their axes, radians.
         rng : numpy.random.Generator
-            Draws k values of noise whatever is heard.
+            Draws k values of noise whatever is detected.
         """
         k, far_m = len(axis_rad), self.ring.range_max_m
-        fan, origin, direction, travelled_m, strength = open_fans(
-            sensor_xy_m, axis_rad, self._bearing_rad
-        )
+        under_way = open_fans(sensor_xy_m, axis_rad, self._bearing_rad)
 
         # First return: of each fan the ray whose sound is back first.
-        heard_m = np.full(k, far_m)
+        echo_m = np.full(k, far_m)
         surface = np.full(k, -1, np.int32)
         incidence_rad = np.full(k, np.nan)
         bounces = np.zeros(k, np.int16)
+        first = echo_m, surface, incidence_rad, bounces
         critical_cos = np.cos(world.critical_incidence_rad)
+        surfaces = critical_cos, world.reflectivity, world.roughness_m
         for bounce in range(self.max_bounces + 1):
+            _, origin, direction, travelled_m, _ = under_way
             hits = rays.cast(origin, direction, far_m - travelled_m)
             if bounce == 0:
                 met_m = hits.distance_m.reshape(k, self.rays)
-            fan, origin, direction, travelled_m, strength = meet_surfaces(
-                fan,
-                origin,
-                direction,
-                travelled_m,
-                strength,
-                hits.distance_m,
-                hits.normal_xy,
-                hits.surface,
-                critical_cos,
-                world.reflectivity,
-                self.threshold,
-                bounce,
-                heard_m,
-                surface,
-                incidence_rad,
-                bounces,
-            )
-            if fan.size == 0:
+            met = hits.distance_m, hits.normal_xy, hits.surface
+            under_way = meet_surfaces(under_way, *met, surfaces, self.threshold, bounce, first)
+            if under_way[0].size == 0:
                 break
-        heard_m[surface < 0] = np.inf
+        echo_m[surface < 0] = np.inf
 
-        # Surface -1, nothing heard, takes the last entry.
-        roughness_m = np.append(world.roughness_m, 0.0)[surface]
         axis_range_m, cone_range_m = met_m[:, self.rays // 2], met_m.min(axis=1)
         return Echoes(
-            range_m=self._measured(heard_m, roughness_m, rng),
+            range_m=self._measured(echo_m, surface, world.roughness_m, rng),
             axis_range_m=axis_range_m,
             cone_range_m=cone_range_m,
-            cause=cause_of(heard_m, bounces, axis_range_m, cone_range_m),
+            cause=cause_of(echo_m, bounces, axis_range_m, cone_range_m),
             surface=surface,
             incidence_rad=incidence_rad,
             bounces=bounces,
-            # A simple cone hears no other sonar and knows no level.
+            # A simple cone detects no other sonar and knows no level.
             source=np.where(surface < 0, LogTruth.NO_SOURCE, np.arange(k)).astype(np.int16),
             level_db=np.full(k, np.nan),
+        )
+
+    def randomised(self, noise_factor: float, air: Air) -> Self:
+        """Return it with its noise multiplied, in other air, see `sim.sonar.protocol.Sonar`."""
+        scale = self.range_scale * Air().speed_mps / air.speed_mps
+        return self.replace(noise_std_m=noise_factor * self.noise_std_m, range_scale=scale)
+
+    def compiled_cone(self) -> CompiledCone:
+        """Return it as a simple cone, see `sim.sonar.protocol.Sonar`."""
+        return CompiledCone(
+            rays=self.rays,
+            max_bounces=self.max_bounces,
+            threshold=self.threshold,
+            noise_std_m=self.noise_std_m,
+            scale=self.range_scale,
+            quantum_m=self.quantum_m,
+            silent_m=math.inf,
         )
 
     @cached_property
@@ -153,19 +158,20 @@ class ConeSonar(SonarTogether):
 
     def _measured(
         self,
-        heard_m: NDArray[np.float64],
+        echo_m: NDArray[np.float64],
+        surface: NDArray[np.int32],
         roughness_m: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> NDArray[np.float64]:
         readings_m: NDArray[np.float64] = all_measured(
-            heard_m,
+            echo_m,
+            surface,
             roughness_m,
-            rng.normal(size=heard_m.size),
+            rng.normal(size=echo_m.size),
             self.noise_std_m,
             self.range_scale,
             self.quantum_m,
             self.ring.range_min_m,
             self.ring.range_max_m,
-            math.inf,
         )
         return readings_m

@@ -1,42 +1,80 @@
-"""What the sonars of a drive hear: the first sound over the threshold, whoever sent it."""
+"""The physical sonars of a drive: the first sound over the threshold counts, whoever sent it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.engines.protocol import RayCaster
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.detection import hear, readings
+from sim.sonar.physical.detection import detect, readings
 from sim.sonar.physical.echoes import confirmed, find_sounds
-from sim.sonar.physical.levels import way_db
-from sim.sonar.physical.tracing import Survey, advance, begin
+from sim.sonar.physical.interferer import Interferer
+from sim.sonar.physical.levels import Acoustics, mirror_echo_db
+from sim.sonar.physical.piston import Piston
+from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.tracing import Tracing, TracingLimits, advance_tracing, begin_tracing
 from sim.sonar.protocol import Echoes
-from sonarmap import LogTruth
+from sonarmap import LogTruth, SonarRing
 from worlds import World
 
-if TYPE_CHECKING:
-    from sim.sonar.physical.sonar import PhysicalSonar
-
-__all__ = ["PhysicalEars"]
+__all__ = ["ArrayModel", "PhysicalArray"]
 
 
-class PhysicalEars:
-    """The sonars of one drive, with the sounds that are under way."""
+@dataclass(frozen=True, slots=True, eq=False)
+class ArrayModel:
+    """What an array computes with, derived from a `sim.PhysicalSonar`.
+
+    Parameters
+    ----------
+    ring, piston, receiver, interferers
+        Of the sonar.
+    acoustics, limits
+        What the compiled steps know of levels and of tracing.
+    bearing_rad, ray_reach_m : ndarray, shape (rays,)
+        The rays of a fan, and how far each is traced.
+    """
+
+    ring: SonarRing
+    piston: Piston
+    receiver: Receiver
+    interferers: tuple[Interferer, ...]
+    acoustics: Acoustics
+    limits: TracingLimits
+    bearing_rad: NDArray[np.float64]
+    ray_reach_m: NDArray[np.float64]
+
+
+class PhysicalArray:
+    """The sonars of one drive, with the sounds that are under way.
+
+    Parameters
+    ----------
+    model : ArrayModel
+        What they are like.
+    rays : RayCaster
+        Where the surfaces are.
+    world : World
+        What they are made of.
+    rng : numpy.random.Generator
+        Draws one number a firing.
+    monostatic : bool
+        Whether each sonar receives its own sound only.
+    """
 
     def __init__(
         self,
-        sonar: PhysicalSonar,
+        model: ArrayModel,
         rays: RayCaster,
         world: World,
         rng: np.random.Generator,
         *,
-        alone: bool = False,
+        monostatic: bool = False,
     ) -> None:
-        self._sonar, self._rays, self._rng = sonar, rays, rng
-        self._alone = alone
+        self._model, self._rays, self._rng = model, rays, rng
+        self._monostatic = monostatic
         self._surfaces = _surface_table(world)
         self._fired: list[tuple[float, ...]] = []
         self._sounds = np.empty((0, t.SOUND_COLUMNS))
@@ -48,25 +86,25 @@ class PhysicalEars:
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
     ) -> None:
-        """Let some sonars fire at once, see `sim.sonar.protocol.Ears`."""
-        survey = self._survey(np.array(sonars, np.int64), sensor_xy_m, axis_rad)
-        outside = self._from_beacons(time_s, sonars, sensor_xy_m, axis_rad)
-        self._sounds = np.concatenate([self._sounds, self._echoes(survey, time_s), *outside])
+        """Let some sonars fire at once, see `sim.sonar.protocol.SonarArray`."""
+        tracing = self._trace(np.array(sonars, np.int64), sensor_xy_m, axis_rad)
+        outside = self._from_interferers(time_s, sonars, sensor_xy_m, axis_rad)
+        self._sounds = np.concatenate([self._sounds, self._echoes(tracing, time_s), *outside])
         self._fired += [
-            (time_s, sonar, survey.axis_range_m[sonar], survey.cone_range_m[sonar])
+            (time_s, sonar, tracing.axis_range_m[sonar], tracing.cone_range_m[sonar])
             for sonar in sonars
         ]
 
-    def hear(self) -> Echoes:
-        """Return what the sonars heard that fired since the last call, in their order."""
-        sonar, fired = self._sonar, np.array(self._fired)
+    def detect(self) -> Echoes:
+        """Return what the sonars detected that fired since the last call, in their order."""
+        model, fired = self._model, np.array(self._fired)
         self._fired = []
-        # Later firings may still hear what was sent a moment ago.
-        heard, self._sounds = hear(fired, self._sounds, sonar.acoustics)
-        receiver, ring = sonar.receiver, sonar.ring
+        # Later firings may still detect what was sent a moment ago.
+        detections, self._sounds = detect(fired, self._sounds, model.acoustics)
+        receiver, ring = model.receiver, model.ring
         draws = self._rng.normal(0.0, 1.0, len(fired))
         reading_m = readings(
-            heard,
+            detections,
             draws,
             self._surfaces,
             receiver.noise_std_m,
@@ -79,34 +117,41 @@ class PhysicalEars:
             range_m=reading_m,
             axis_range_m=fired[:, t.FIRED_AXIS],
             cone_range_m=fired[:, t.FIRED_CONE],
-            cause=heard.cause,
-            surface=heard.surface,
-            incidence_rad=heard.incidence_rad,
-            bounces=heard.bounces,
-            source=heard.source,
-            level_db=heard.level_db,
+            cause=detections.cause,
+            surface=detections.surface,
+            incidence_rad=detections.incidence_rad,
+            bounces=detections.bounces,
+            source=detections.source,
+            level_db=detections.level_db,
         )
 
-    def _survey(
+    def _trace(
         self,
         sonars: NDArray[np.int64],
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
-    ) -> Survey:
-        """Return the faces around some sonars."""
-        sonar = self._sonar
-        survey: Survey = begin(sonars, sensor_xy_m, axis_rad, sonar.bearing_rad, sonar.ray_reach_m)
-        while len(survey.rays):
-            survey = advance(
-                survey, *self._cast(survey.rays), self._surfaces, sonar.rules, sonar.acoustics
+    ) -> Tracing:
+        """Trace the faces around some sonars."""
+        model = self._model
+        tracing: Tracing = begin_tracing(
+            sonars, sensor_xy_m, axis_rad, model.bearing_rad, model.ray_reach_m
+        )
+        while len(tracing.rays):
+            tracing = advance_tracing(
+                tracing, *self._cast(tracing.rays), self._surfaces, model.limits, model.acoustics
             )
-        return survey
+        return tracing
 
-    def _echoes(self, survey: Survey, time_s: float) -> NDArray[np.float64]:
-        """Return the sounds of a firing whose ways are free."""
+    def _echoes(self, tracing: Tracing, time_s: float) -> NDArray[np.float64]:
+        """Return the sounds of a firing whose paths are free."""
         sounds: NDArray[np.float64]
         sounds, checks = find_sounds(
-            survey, time_s, self._alone, self._surfaces, self._sonar.rules, self._sonar.acoustics
+            tracing,
+            time_s,
+            self._monostatic,
+            self._surfaces,
+            self._model.limits,
+            self._model.acoustics,
         )
         if len(checks):
             met_m, _, _ = self._cast(checks)
@@ -122,31 +167,34 @@ class PhysicalEars:
         )
         return hits.distance_m, np.ascontiguousarray(hits.normal_xy), hits.surface
 
-    def _from_beacons(
+    def _from_interferers(
         self,
         time_s: float,
         sonars: tuple[int, ...],
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
     ) -> list[NDArray[np.float64]]:
-        """Return the beacons' pulses that may reach, straight, the sonars that listen now."""
-        sonar, found = self._sonar, []
+        """Return the interferers' pulses that may reach, straight, the sonars that listen now."""
+        model, found = self._model, []
+        acoustics = model.acoustics
         listeners = np.array(sonars)
-        for beacon in sonar.beacons:
-            offset = np.array([beacon.x_m, beacon.y_m]) - sensor_xy_m[listeners]
-            way_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
-            hits = self._rays.cast(sensor_xy_m[listeners], offset / way_m[:, None], way_m)
+        for interferer in model.interferers:
+            offset = np.array([interferer.x_m, interferer.y_m]) - sensor_xy_m[listeners]
+            path_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
+            hits = self._rays.cast(sensor_xy_m[listeners], offset / path_m[:, None], path_m)
             bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[listeners]
-            received_db = sonar.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
+            received_db = model.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
             for k in np.flatnonzero(hits.surface < 0):
-                travel_s = way_m[k] / sonar.air.speed_mps
-                pulses_s = beacon.pulses_s(time_s - travel_s, time_s - travel_s + sonar.window_s)
+                travel_s = path_m[k] / acoustics.speed_mps
+                pulses_s = interferer.pulses_s(
+                    time_s - travel_s, time_s - travel_s + acoustics.window_s
+                )
                 sounds = np.zeros((pulses_s.size, t.SOUND_COLUMNS))
                 sounds[:, t.SOUND_SENT] = pulses_s
                 sounds[:, t.SOUND_SOURCE] = LogTruth.OUTSIDE_SOURCE
-                sounds[:, t.SOUND_LISTENER], sounds[:, t.SOUND_WAY] = listeners[k], way_m[k]
+                sounds[:, t.SOUND_LISTENER], sounds[:, t.SOUND_PATH] = listeners[k], path_m[k]
                 sounds[:, t.SOUND_LEVEL] = (
-                    way_db(sonar.acoustics, way_m[k]) + received_db[k] + beacon.level_db
+                    mirror_echo_db(acoustics, path_m[k]) + received_db[k] + interferer.level_db
                 )
                 sounds[:, t.SOUND_SURFACE], sounds[:, t.SOUND_INCIDENCE] = -1, np.nan
                 found.append(sounds)

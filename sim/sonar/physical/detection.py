@@ -1,4 +1,4 @@
-"""Compiled: what sonars hear of the sounds that are under way, and what they read."""
+"""Compiled: what sonars detect of the sounds that are under way, and what they read."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sim.sonar.causes import cause_of
 from sim.sonar.cone.kernel import measured
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.levels import gain_db
-from sim.sonar.protocol import cause_of
+from sim.sonar.physical.levels import tvg_db
 from sonarmap import Cause, LogTruth
 
-__all__ = ["Heard", "hear", "readings"]
+__all__ = ["Detections", "detect", "readings"]
 
 _CROSSTALK, _NO_SOURCE = int(Cause.CROSSTALK), int(LogTruth.NO_SOURCE)
 
 
-class Heard(NamedTuple):
-    """What n firings heard, see `sim.sonar.protocol.Echoes`; the range is without noise."""
+class Detections(NamedTuple):
+    """What n firings detected, see `sim.sonar.protocol.Echoes`; the range is without noise."""
 
     range_m: NDArray[np.float64]
     cause: NDArray[np.int8]
@@ -33,8 +33,8 @@ class Heard(NamedTuple):
 
 
 @njit(cache=True)
-def hear(fired, sounds, acoustics):
-    """Return (what firings heard, the sounds that later ones may still hear).
+def detect(fired, sounds, acoustics):
+    """Return (what firings detected, the sounds that later ones may still detect).
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def hear(fired, sounds, acoustics):
     acoustics : Acoustics
     """
     n = len(fired)
-    heard = Heard(
+    detections = Detections(
         np.full(n, math.inf),
         np.empty(n, np.int8),
         np.full(n, -1, np.int32),
@@ -61,43 +61,43 @@ def hear(fired, sounds, acoustics):
         if k < 0:
             continue
         sound = sounds[k]
-        heard.range_m[r] = acoustics.assumed_speed_mps * time_s / 2
-        heard.surface[r] = int(sound[t.SOUND_SURFACE])
-        heard.incidence_rad[r] = sound[t.SOUND_INCIDENCE]
-        heard.bounces[r] = int(sound[t.SOUND_BOUNCES])
-        heard.source[r] = int(sound[t.SOUND_SOURCE])
-        heard.level_db[r] = over_db
-        half_m[r] = sound[t.SOUND_WAY] / 2
+        detections.range_m[r] = acoustics.assumed_speed_mps * time_s / 2
+        detections.surface[r] = int(sound[t.SOUND_SURFACE])
+        detections.incidence_rad[r] = sound[t.SOUND_INCIDENCE]
+        detections.bounces[r] = int(sound[t.SOUND_BOUNCES])
+        detections.source[r] = int(sound[t.SOUND_SOURCE])
+        detections.level_db[r] = over_db
+        half_m[r] = sound[t.SOUND_PATH] / 2
         others[r] = (
             sound[t.SOUND_SOURCE] != fired[r, t.FIRED_SONAR]
             or sound[t.SOUND_SENT] != fired[r, t.FIRED_TIME]
         )
-    heard.cause[:] = cause_of(
+    detections.cause[:] = cause_of(
         half_m,
-        heard.bounces,
+        detections.bounces,
         np.ascontiguousarray(fired[:, t.FIRED_AXIS]),
         np.ascontiguousarray(fired[:, t.FIRED_CONE]),
     )
-    heard.cause[others] = _CROSSTALK
+    detections.cause[others] = _CROSSTALK
     fresh = sounds[:, t.SOUND_SENT] + acoustics.life_s > fired[n - 1, t.FIRED_TIME]
-    return heard, sounds[fresh]
+    return detections, sounds[fresh]
 
 
 @njit(cache=True)
 def _first_crossing(firing, sounds, acoustics):
-    """Return (sound heard first or -1, time since the firing, level over the threshold)."""
-    heard, time_s, over_db = -1, math.inf, math.nan
+    """Return (sound detected first or -1, time since the firing, level over the threshold)."""
+    first, time_s, over_db = -1, math.inf, math.nan
     for k in range(len(sounds)):
         sound = sounds[k]
         if sound[t.SOUND_LISTENER] != firing[t.FIRED_SONAR]:
             continue
-        travel_s = sound[t.SOUND_WAY] / acoustics.speed_mps
+        travel_s = sound[t.SOUND_PATH] / acoustics.speed_mps
         if travel_s > acoustics.life_s:
             continue
         arrival_s = sound[t.SOUND_SENT] + travel_s - firing[t.FIRED_TIME]
         if arrival_s <= 0 or arrival_s > acoustics.window_s:
             continue
-        over = sound[t.SOUND_LEVEL] + gain_db(acoustics, arrival_s)
+        over = sound[t.SOUND_LEVEL] + tvg_db(acoustics, arrival_s)
         if over <= 0:
             continue
         crossing_s = arrival_s + acoustics.pulse_s * 10 ** (-over / 20)
@@ -106,17 +106,17 @@ def _first_crossing(firing, sounds, acoustics):
                 continue  # over before the receiver opens
             crossing_s = acoustics.blanking_s
         if crossing_s <= acoustics.window_s and crossing_s < time_s:
-            heard, time_s, over_db = k, crossing_s, over
-    return heard, time_s, over_db
+            first, time_s, over_db = k, crossing_s, over
+    return first, time_s, over_db
 
 
 @njit(cache=True)
-def readings(heard, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
-    """Return what the sonars read of what they heard.
+def readings(detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
+    """Return what the sonars read of what they detected.
 
     Parameters
     ----------
-    heard : Heard
+    detections : Detections
     draws : ndarray
         Of the normal distribution, one a firing.
     surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
@@ -128,10 +128,10 @@ def readings(heard, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, n
     """
     reading_m = np.empty(draws.size)
     for r in range(draws.size):
-        jitter_m = weak_noise_std_m * 10 ** (-heard.level_db[r] / 20)
-        roughness_m = surfaces[heard.surface[r], t.SURFACE_ROUGHNESS]
+        jitter_m = weak_noise_std_m * 10 ** (-detections.level_db[r] / 20)
+        roughness_m = surfaces[detections.surface[r], t.SURFACE_ROUGHNESS]
         reading_m[r] = measured(
-            heard.range_m[r],
+            detections.range_m[r],
             roughness_m,
             draws[r],
             math.hypot(noise_std_m, jitter_m),

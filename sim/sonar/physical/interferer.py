@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from sonarmap.errors import finite, positive
 
-__all__ = ["Beacon"]
+__all__ = ["Interferer"]
 
 
 @dataclass(frozen=True, slots=True)
-class Beacon:
+class Interferer:
     """Sends pulses of the sonars' frequency in all directions, again and again.
 
     Parameters
@@ -44,4 +44,7 @@ class Beacon:
         """Return the times of its pulses from one time to another."""
         first = math.ceil((from_s - self.first_s) / self.period_s)
         last = math.floor((to_s - self.first_s) / self.period_s)
-        return self.first_s + self.period_s * np.arange(first, last + 1)
+        pulses_s: NDArray[np.float64] = self.first_s + self.period_s * np.arange(
+            first, last + 1, dtype=float
+        )
+        return pulses_s

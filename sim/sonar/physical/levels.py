@@ -1,6 +1,7 @@
 """How loud a sound is: compiled arithmetic of beam, air and receiver.
 
-Levels are decibels over the threshold of a receiver without gain, unless told otherwise.
+Levels are decibels over the threshold of a receiver without time-varied gain, unless stated
+otherwise.
 """
 
 from __future__ import annotations
@@ -12,7 +13,15 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["Acoustics", "beam_db", "best_db", "gain_db", "loudest_db", "way_db", "wrapped"]
+__all__ = [
+    "Acoustics",
+    "beam_bound_db",
+    "beam_db",
+    "loudest_echo_db",
+    "mirror_echo_db",
+    "tvg_db",
+    "wrapped",
+]
 
 
 class Acoustics(NamedTuple):
@@ -23,7 +32,7 @@ class Acoustics(NamedTuple):
     speed_mps, absorption_db_per_m : float
         Of the air that there is.
     nominal_speed_mps, nominal_absorption_db_per_m : float
-        Of the air that the gain is made for.
+        Of the air that the time-varied gain is made for.
     assumed_speed_mps : float
         With which the robot turns times into ranges.
     dynamic_range_db, gain_share, pulse_s, blanking_s : float
@@ -33,7 +42,7 @@ class Acoustics(NamedTuple):
     window_s : float
         How long a sonar listens after its firing.
     head_start_s : float
-        How long before a sonar another one may have fired whose sound it hears.
+        How long before a sonar another one may have fired whose sound it detects.
     life_s : float
         How long a sound is remembered.
     beam_db : ndarray
@@ -75,7 +84,7 @@ def beam_db(acoustics, angle):
 
 
 @njit(cache=True)
-def loudest_db(acoustics, low, high):
+def beam_bound_db(acoustics, low, high):
     """Return a level that the beam does not exceed between two angles off the axis."""
     table = acoustics.beyond_db
     nearest = 0.0 if low <= 0.0 <= high else min(abs(low), abs(high))
@@ -83,8 +92,8 @@ def loudest_db(acoustics, low, high):
 
 
 @njit(cache=True)
-def gain_db(acoustics, time_s):
-    """Return what the receiver adds `time_s` after its firing."""
+def tvg_db(acoustics, time_s):
+    """Return the time-varied gain that the receiver adds `time_s` after its firing."""
     half = max(acoustics.nominal_speed_mps * time_s / 2, 0.01)
     spread = 20 * math.log10(half)
     absorbed = 2 * acoustics.nominal_absorption_db_per_m * (half - 1)
@@ -92,20 +101,23 @@ def gain_db(acoustics, time_s):
 
 
 @njit(cache=True)
-def way_db(acoustics, way_m):
-    """Return the level of a perfect mirror's echo on the axis after so long a way."""
-    spread = 20 * math.log10(max(way_m, 0.01) / 2)
-    # The dynamic range is told at 1 m of normal air.
+def mirror_echo_db(acoustics, path_m):
+    """Return the level of a perfect mirror's echo on the axis, by the length of its path.
+
+    It is the dynamic range less the propagation loss beyond 1 m: spreading and absorption.
+    """
+    spread = 20 * math.log10(max(path_m, 0.01) / 2)
+    # The dynamic range is that at 1 m of normal air.
     return (
         acoustics.dynamic_range_db
         - spread
-        - acoustics.absorption_db_per_m * way_m
+        - acoustics.absorption_db_per_m * path_m
         + 2 * acoustics.nominal_absorption_db_per_m
     )
 
 
 @njit(cache=True)
-def best_db(acoustics, way_m):
-    """Return the level, with gain, of a perfect mirror's echo for whoever may hear it."""
-    latest_s = min(way_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
-    return way_db(acoustics, way_m) + gain_db(acoustics, latest_s)
+def loudest_echo_db(acoustics, path_m):
+    """Return the level, with time-varied gain, of a perfect mirror's echo at any sonar."""
+    latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
+    return mirror_echo_db(acoustics, path_m) + tvg_db(acoustics, latest_s)

@@ -85,5 +85,5 @@ class Piston:
     def reach_rad(self, two_way_db: float) -> float:
         """Return the widest angle at which the two-way level is still above -`two_way_db`."""
         angle = np.linspace(0.0, math.pi / 2, 9001)
-        heard = np.flatnonzero(2 * self.level_db(angle) > -two_way_db)
-        return float(angle[heard[-1]]) if heard.size else 0.0
+        detectable = np.flatnonzero(2 * self.level_db(angle) > -two_way_db)
+        return float(angle[detectable[-1]]) if detectable.size else 0.0

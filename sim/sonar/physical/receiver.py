@@ -1,4 +1,4 @@
-"""The receiver of a sonar: gain over time, threshold, what it makes of an echo."""
+"""The receiver of a sonar: time-varied gain, threshold, what it makes of an echo."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ class Receiver:
     ----------
     dynamic_range_db : float
         How far the echo of a perfect mirror, met head-on at 1 m in normal air, stands above the
-        threshold, decibels, > 0. It decides which lobes of the beam are heard: one side lobe up
+        threshold, decibels, > 0. It decides which lobes of the beam are detected: one side lobe up
         to 18 or 20 degrees at 36 to 40 dB, two up to 30 at 48 dB, three up to 42 at 56 dB. The
         default is set so that a drive through the shipped `corridor` loses a third of its
         readings, as a real robot's log of such a corridor does (RoboND-OccupancyGridMapping).
     gain_share : float
-        Share of the loss by distance, in decibels, that the gain takes back while the receiver
-        waits, in [0, 1]. With 1 every range has the same dynamic range; with the default, assumed,
-        a plane at 5 m is left with 40 of 48 dB.
+        Share of the propagation loss, in decibels, that the time-varied gain takes back while the
+        receiver waits, in [0, 1]. With 1 every range has the same dynamic range; with the default,
+        assumed, a plane at 5 m is left with 40 of 48 dB.
     pulse_s : float
         Length of the pulse, seconds, > 0: 16 cycles of 49.4 kHz (Polaroid 6500). The envelope of
         an echo rises so long, so a weak one crosses the threshold late: by up to 56 mm.

@@ -2,9 +2,9 @@
 
 What comes back is decided by geometry and level: a flat face and a right-angled hollow corner send
 the sound of an image source, a pillar a share of it, an edge little, and a rough face scatters
-from wherever the beam meets it. What is heard is the first sound that crosses the threshold.
+from wherever the beam meets it. What is detected is the first sound that crosses the threshold.
 
-A ray-following sonar in the line of Wilkes, Dudek, Jenkin and Milios, "Modelling sonar range
+A ray-tracing sonar in the line of Wilkes, Dudek, Jenkin and Milios, "Modelling sonar range
 sensors" (SPIE 1388, 1990), with the acoustic mirrors of Kuc and Siegel (IEEE Transactions on
 Pattern Analysis and Machine Intelligence 9(6), 1987). Rays find the faces; distances come from
 mirror images, so they are exact for flat faces and do not depend on the number of rays.
@@ -13,7 +13,8 @@ mirror images, so they are exact for flat faces and do not depend on the number 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,14 +22,14 @@ from numpy.typing import NDArray
 
 from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
-from sim.sonar.firing import Firing, InTurn
-from sim.sonar.physical.array import PhysicalEars
-from sim.sonar.physical.interferer import Beacon
-from sim.sonar.physical.levels import Acoustics, best_db
+from sim.sonar.firing import Firing, InTurn, Ping, pings
+from sim.sonar.physical.array import ArrayModel, PhysicalArray
+from sim.sonar.physical.interferer import Interferer
+from sim.sonar.physical.levels import Acoustics, loudest_echo_db
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
-from sim.sonar.physical.tracing import Rules
-from sim.sonar.protocol import Ears, Echoes
+from sim.sonar.physical.tracing import TracingLimits
+from sim.sonar.protocol import Echoes, SonarArray
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import finite, positive
 from worlds import World
@@ -54,13 +55,13 @@ class PhysicalSonar:
     piston : Piston
         Beam of the transducers.
     receiver : Receiver
-        Threshold, gain, pulse, noise.
+        Threshold, time-varied gain, pulse, noise.
     air : Air
         The air that there is.
     assumed_air : Air
         The air for which the robot turns times into ranges.
     max_bounces : int
-        Over how many mirroring faces a sound is followed before the face that turns it, >= 0.
+        Over how many mirroring faces a sound is traced before the face that turns it, >= 0.
     edge_db : float
         Level of an edge at 1 m against a plane at 1 m, decibels, <= 0; the level falls with
         1 / r^2 where a plane's falls with 1 / r. -37 dB: Keller's diffraction by a right-angled
@@ -68,11 +69,13 @@ class PhysicalSonar:
     ray_step_rad : float
         Angle between the rays of a fan, at most, radians, > 0. What is narrower than the gap
         between two rays may be missed; ranges do not depend on it.
-    beacons : tuple of Beacon
+    interferers : tuple of Interferer
         Sources of sound besides the robot's own.
     sound_life_s : float
         A sound is forgotten this long after it was sent, seconds, > 0. Default: two slots of
-        40 ms, so that a sonar hears what the one before it sent.
+        40 ms, so that a sonar detects what the one before it sent.
+    beacons : tuple of Interferer, optional
+        Former name of `interferers`; counts where it is given.
     """
 
     name: str
@@ -86,9 +89,12 @@ class PhysicalSonar:
     edge_db: float = -37.0
     ray_step_rad: float = math.radians(1.0)
     sound_life_s: float = 0.080
-    beacons: tuple[Beacon, ...] = ()
+    interferers: tuple[Interferer, ...] = ()
+    beacons: InitVar[tuple[Interferer, ...] | None] = None
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, beacons: tuple[Interferer, ...] | None) -> None:
+        if beacons is not None:
+            object.__setattr__(self, "interferers", beacons)
         self.firing.check(len(self.ring))
         if self.max_bounces < 0:
             raise InputError(f"max_bounces must be >= 0, got {self.max_bounces!r}")
@@ -101,9 +107,9 @@ class PhysicalSonar:
         """Return this sonar with some fields replaced."""
         return replace(self, **changes)  # type: ignore[arg-type]
 
-    def ears(self, rays: RayCaster, world: World, rng: np.random.Generator) -> Ears:
+    def array(self, rays: RayCaster, world: World, rng: np.random.Generator) -> SonarArray:
         """Return the sonars of one drive, see `sim.sonar.protocol.Sonar`."""
-        return PhysicalEars(self, rays, world, rng)
+        return PhysicalArray(self._model, rays, world, rng)
 
     def listen(
         self,
@@ -113,10 +119,22 @@ class PhysicalSonar:
         axis_rad: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> Echoes:
-        """Fire k transducers that do not hear each other, see `sim.sonar.protocol.Sonar`."""
-        ears = PhysicalEars(self, rays, world, rng, alone=True)
-        ears.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
-        return ears.hear()
+        """Fire k transducers without cross-talk between them, see `sim.sonar.protocol.Sonar`."""
+        array = PhysicalArray(self._model, rays, world, rng, monostatic=True)
+        array.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
+        return array.detect()
+
+    def randomised(self, noise_factor: float, air: Air) -> PhysicalSonar:
+        """Return it with its noise multiplied, in other air, see `sim.sonar.protocol.Sonar`."""
+        receiver = replace(
+            self.receiver,
+            noise_std_m=noise_factor * self.receiver.noise_std_m,
+            weak_noise_std_m=noise_factor * self.receiver.weak_noise_std_m,
+        )
+        return self.replace(receiver=receiver, air=air)
+
+    def compiled_cone(self) -> None:
+        """Return None: no simple cone, see `sim.sonar.protocol.Sonar`."""
 
     @property
     def window_s(self) -> float:
@@ -125,15 +143,15 @@ class PhysicalSonar:
         return min(longest, self.firing.listening_s)
 
     @cached_property
-    def rules(self) -> Rules:
-        """What the compiled steps need to follow faces."""
-        return Rules(
+    def limits(self) -> TracingLimits:
+        """How far and how finely the compiled steps trace faces."""
+        return TracingLimits(
             reach_m=float(self._reaches_m[-1]),
             max_bounces=self.max_bounces,
             # The foot of a face may lie between its last ray and the next one.
             margin_rad=6 * self.ray_step_rad,
             # Nobody else listens before the next firing, unless windows overlap.
-            others_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
+            least_cross_path_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
             cone_rad=self.ring.half_angle_rad,
             range_max_m=self.ring.range_max_m,
         )
@@ -144,19 +162,15 @@ class PhysicalSonar:
 
         Element 0 stands for -100 dB, element 100 for the axis.
         """
-        half_m = np.linspace(0.02, self.air.speed_mps * self._heard_for_s / 2, 500)
-        heard_db = np.array([best_db(self.acoustics, 2 * half) for half in half_m])
-        loud = heard_db[:, None] > np.arange(100, -1, -1)
+        half_m = np.linspace(0.02, self.air.speed_mps * self._audible_s / 2, 500)
+        echo_db = np.array([loudest_echo_db(self.acoustics, 2 * half) for half in half_m])
+        loud = echo_db[:, None] > np.arange(100, -1, -1)
         return np.where(loud.any(axis=0), half_m[len(half_m) - 1 - loud[::-1].argmax(axis=0)], 0.02)
 
     @cached_property
-    def _heard_for_s(self) -> float:
+    def _audible_s(self) -> float:
         """How long after it was sent any sonar may still listen for a sound, seconds."""
-        starts_s = [
-            scan * self.firing.period_s + slot.offset_s
-            for scan in (0, 1, 2, 3)
-            for slot in self.firing.slots(scan, len(self.ring))
-        ]
+        starts_s = [ping.time_s for ping in self._pings(scans=4)]
         waits_s = np.subtract.outer(starts_s, starts_s)
         last_s = waits_s[(waits_s >= 0) & (waits_s < self.sound_life_s)].max()
         return float(min(last_s + self.window_s, self.sound_life_s))
@@ -165,7 +179,7 @@ class PhysicalSonar:
     def acoustics(self) -> Acoustics:
         """What the compiled steps need of beam, air and receiver."""
         nominal, tone_hz = Air(), self.piston.frequency_hz
-        slots = (self.firing.slots(scan, len(self.ring)) for scan in (0, 1))
+        latest_s = max(ping.offset_s for ping in self._pings(scans=2))
         beam_db = self.piston.level_db(np.linspace(0, math.pi, 9001))
         return Acoustics(
             speed_mps=self.air.speed_mps,
@@ -179,7 +193,7 @@ class PhysicalSonar:
             blanking_s=float(self.receiver.blanking_s),
             edge_db=float(self.edge_db),
             window_s=float(self.window_s),
-            head_start_s=max(scan[-1].offset_s for scan in slots) if self.overlapping else 0.0,
+            head_start_s=latest_s if self.overlapping else 0.0,
             life_s=float(self.sound_life_s),
             beam_db=beam_db,
             beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
@@ -188,33 +202,27 @@ class PhysicalSonar:
     @cached_property
     def overlapping(self) -> bool:
         """Whether a sonar listens while another one's sound is fresh."""
-        together = any(
-            len(slot.sonars) > 1
-            for scan in (0, 1)
-            for slot in self.firing.slots(scan, len(self.ring))
-        )
+        together = any(len(ping.sonars) > 1 for ping in self._pings(scans=2))
         return together or self._least_gap_s < self.window_s
 
     @cached_property
     def _least_gap_s(self) -> float:
         """Shortest time between two firings, seconds."""
-        starts_s = [
-            scan * self.firing.period_s + slot.offset_s
-            for scan in (0, 1, 2)
-            for slot in self.firing.slots(scan, len(self.ring))
-        ]
-        return float(np.diff(starts_s).min())
+        return float(np.diff([ping.time_s for ping in self._pings(scans=3)]).min())
+
+    def _pings(self, scans: int) -> Iterator[Ping]:
+        return pings(self.firing, len(self.ring), scans=scans)
 
     @cached_property
     def bearing_rad(self) -> NDArray[np.float64]:
         """Bearings of a fan, the cone's edges and the axis among them.
 
-        Dense in the main lobe; wider where only side lobes reach, which hear no small things; and
+        Dense in the main lobe; wider where only side lobes reach, where small things are lost; and
         as far out as the sound of another sonar may come from, by large faces.
         """
         half = self.ring.half_angle_rad
         # Near targets are the loudest.
-        loudest_db = best_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
+        loudest_db = loudest_echo_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
         reach = min(max(self.piston.reach_rad(loudest_db), half), math.pi / 2)
         lobe = min(self.piston.null_rad, reach)
         stops = sorted({lobe, half, reach})
@@ -230,10 +238,26 @@ class PhysicalSonar:
 
     @cached_property
     def ray_reach_m(self) -> NDArray[np.float64]:
-        """How far the rays of a fan go: as they are heard; in the cone as the truth is asked."""
+        """How far the rays of a fan go: as far as detection; in the cone as far as the truth."""
         angle = np.abs(self.bearing_rad)
         table_db = self.acoustics.beam_db
         sent_db = np.interp(angle, np.linspace(0, math.pi, table_db.size), table_db)
         far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
         in_cone = angle <= self.ring.half_angle_rad + 1e-9
-        return np.maximum(far_m, np.where(in_cone, self.ring.range_max_m, 0.1))
+        reach_m: NDArray[np.float64] = np.maximum(
+            far_m, np.where(in_cone, self.ring.range_max_m, 0.1)
+        )
+        return reach_m
+
+    @cached_property
+    def _model(self) -> ArrayModel:
+        return ArrayModel(
+            ring=self.ring,
+            piston=self.piston,
+            receiver=self.receiver,
+            interferers=self.interferers,
+            acoustics=self.acoustics,
+            limits=self.limits,
+            bearing_rad=self.bearing_rad,
+            ray_reach_m=self.ray_reach_m,
+        )

@@ -1,13 +1,13 @@
-"""Compiled survey of the faces around sonars: fans of rays, mirrored on, and the ends of faces.
+"""Compiled image-source tracing: fans of rays, mirrored on, find faces and where they end.
 
-A fan is followed in unfolded space: behind a mirror its rays come from the transducer's mirror
+A fan is traced in unfolded space: behind a mirror its rays come from the transducer's mirror
 image, and every rule for a face seen straight holds for one seen by way of mirrors.
 
-A survey asks for rays to be cast, and goes on with what they hit, until it asks for none::
+A tracing asks for rays to be cast, and goes on with what they hit, until it asks for none::
 
-    survey = begin(...)
-    while len(survey.rays):
-        survey = advance(survey, *cast(survey.rays), ...)
+    tracing = begin_tracing(...)
+    while len(tracing.rays):
+        tracing = advance_tracing(tracing, *cast(tracing.rays), ...)
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.levels import beam_db, best_db, wrapped
+from sim.sonar.physical.levels import beam_db, loudest_echo_db, wrapped
 
-__all__ = ["Rules", "Survey", "advance", "begin"]
+__all__ = ["Tracing", "TracingLimits", "advance_tracing", "begin_tracing"]
 
 # Two hits lie on one flat face if their normals and their distances from it agree so well.
 _SAME_NORMAL = 1e-5
@@ -32,26 +32,26 @@ _RIGHT_ANGLE = math.sin(math.radians(2.0))
 # A mirrored ray begins this far off the surface, so that it does not meet it again; metres.
 OFF_SURFACE_M = 1e-6
 # Of mirrored rays that can only end at another bearing than they began, or at another sonar, one
-# in so many is followed: such ways need large faces, whose place they only have to show.
+# in so many is traced: such paths need large faces, whose place they only have to show.
 _THINNED = 3
 # Ends of faces are searched until they lie between rays so close, radians: 1.6 mm at 3 m; each
 # search splits the gap into so many parts, because one large batch of rays costs less than many.
 _END_RAD, _SPLIT = math.radians(0.03), 10
 
 
-class Rules(NamedTuple):
-    """How far and how finely faces are followed.
+class TracingLimits(NamedTuple):
+    """How far and how finely faces are traced.
 
     Parameters
     ----------
     reach_m : float
-        Half of the longest way on which any sound is still heard.
+        Half of the longest path on which any sound is still detected.
     max_bounces : int
         Over how many mirrors.
     margin_rad : float
         So far beyond the rays that meet a face its foot may lie.
-    others_m : float
-        The least way on which a sonar that does not fire now may hear a sound.
+    least_cross_path_m : float
+        The shortest path on which a sonar that does not fire now may detect a sound.
     cone_rad, range_max_m : float
         Nominal half-angle and range, for the truths only.
     """
@@ -59,13 +59,13 @@ class Rules(NamedTuple):
     reach_m: float
     max_bounces: int
     margin_rad: float
-    others_m: float
+    least_cross_path_m: float
     cone_rad: float
     range_max_m: float
 
 
-class Survey(NamedTuple):
-    """What is known of the faces around the sonars, and the rays that would tell more.
+class Tracing(NamedTuple):
+    """What is known of the faces around the sonars, and the rays that would show more.
 
     Parameters
     ----------
@@ -73,13 +73,13 @@ class Survey(NamedTuple):
         All transducers of the ring.
     axis_range_m, cone_range_m : ndarray, shape (sonars,)
         True ranges of the sonars that fired; +inf beyond the range.
-    faces, links : ndarray, shapes (p, FACE_COLUMNS), (p, t.TO_COLUMNS)
+    faces, links : ndarray, shapes (p, FACE_COLUMNS), (p, t.LINK_COLUMNS)
         Faces of all legs.
     corners, edges, ends : ndarray
         Where faces end, see the columns.
     rays : ndarray, shape (n, RAY_COLUMNS)
         Rays to be cast: first those of the fans, then those that search for ends.
-    names : ndarray of int, shape (m, OF_COLUMNS)
+    ids : ndarray of int, shape (m, ID_COLUMNS)
         Of the rays of the fans.
     mirrors : int
         Over how many mirrors the rays of the fans go.
@@ -95,13 +95,13 @@ class Survey(NamedTuple):
     edges: NDArray[np.float64]
     ends: NDArray[np.float64]
     rays: NDArray[np.float64]
-    names: NDArray[np.int64]
+    ids: NDArray[np.int64]
     mirrors: int
 
 
 @njit(cache=True)
-def begin(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
-    """Return the survey that asks for the fans of some sonars.
+def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
+    """Return the tracing that asks for the fans of some sonars.
 
     Parameters
     ----------
@@ -114,28 +114,28 @@ def begin(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
     """
     count = bearing_rad.size
     rays = np.zeros((sonars.size * count, t.RAY_COLUMNS))
-    names = np.empty((sonars.size * count, t.OF_COLUMNS), np.int64)
+    ids = np.empty((sonars.size * count, t.ID_COLUMNS), np.int64)
     for i in range(len(rays)):
         k = i % count
-        names[i, t.OF_SONAR], names[i, t.OF_MIRROR], names[i, t.OF_NUMBER] = (
+        ids[i, t.ID_SONAR], ids[i, t.ID_MIRROR], ids[i, t.ID_NUMBER] = (
             sonars[i // count],
             -1,
             k,
         )
-        _depart(rays[i], sensor_xy_m, axis_rad, names[i, t.OF_SONAR], bearing_rad[k], reach_m[k])
+        _depart(rays[i], sensor_xy_m, axis_rad, ids[i, t.ID_SONAR], bearing_rad[k], reach_m[k])
     unknown_m = np.full(axis_rad.size, math.inf)
-    return Survey(
+    return Tracing(
         sensor_xy_m,
         axis_rad,
         unknown_m,
         unknown_m.copy(),
         np.empty((0, t.FACE_COLUMNS)),
-        np.empty((0, t.TO_COLUMNS), np.int64),
+        np.empty((0, t.LINK_COLUMNS), np.int64),
         np.empty((0, t.CORNER_COLUMNS)),
         np.empty((0, t.EDGE_COLUMNS)),
         np.empty((0, t.END_COLUMNS)),
         rays,
-        names,
+        ids,
         0,
     )
 
@@ -151,59 +151,59 @@ def _depart(ray, sensor_xy_m, axis_rad, sonar, theta, reach_m):
 
 
 @njit(cache=True)
-def advance(survey, leg_m, normal, surface, surfaces, rules, acoustics):
-    """Return the survey after its rays have been cast.
+def advance_tracing(tracing, leg_m, normal, surface, surfaces, limits, acoustics):
+    """Return the tracing after its rays have been cast.
 
     Parameters
     ----------
-    survey : Survey
+    tracing : Tracing
         Its true ranges, its faces' limits and its ends are changed in place.
     leg_m, normal, surface : ndarray, shapes (n,), (n, 2), (n,)
         What its rays met, as `worlds.RayHits`.
     surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
         What they are like; the last row stands for no surface.
-    rules : Rules
+    limits : TracingLimits
     acoustics : Acoustics
     """
-    m = len(survey.names)
-    _narrow_ends(survey, leg_m[m:], surface[m:], surfaces)
+    m = len(tracing.ids)
+    _narrow_ends(tracing, leg_m[m:], surface[m:], surfaces)
     leg = _Leg(
-        survey.names, survey.rays[:m], leg_m[:m], normal[:m], surface[:m], survey.faces.shape[0]
+        tracing.ids, tracing.rays[:m], leg_m[:m], normal[:m], surface[:m], tracing.faces.shape[0]
     )
-    first = survey.mirrors == 0
+    first = tracing.mirrors == 0
     if first:
-        _set_true_ranges(survey, leg, rules)
-    face, faces, links, ray_of = _find_faces(leg, surfaces, survey.mirrors)
+        _set_true_ranges(tracing, leg, limits)
+    face, faces, links, ray_of = _find_faces(leg, surfaces, tracing.mirrors)
     corners, edges, ends = _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics)
-    if survey.mirrors < rules.max_bounces:
-        names, rays = _mirrored(leg, face, surfaces, rules, acoustics)
+    if tracing.mirrors < limits.max_bounces:
+        ids, rays = _mirrored(leg, face, surfaces, limits, acoustics)
     else:
-        names, rays = leg.names[:0], leg.rays[:0]
+        ids, rays = leg.ids[:0], leg.rays[:0]
     # Behind a mirror an end stays between its two rays: a second-order sound's small error.
-    searched = ends if first else survey.ends
-    faces = np.concatenate((survey.faces, faces))
-    links = np.concatenate((survey.links, links))
-    searches = _searching(survey, searched, links, rules)
-    return Survey(
-        survey.sensor_xy_m,
-        survey.axis_rad,
-        survey.axis_range_m,
-        survey.cone_range_m,
+    searched = ends if first else tracing.ends
+    faces = np.concatenate((tracing.faces, faces))
+    links = np.concatenate((tracing.links, links))
+    searches = _searching(tracing, searched, links, limits)
+    return Tracing(
+        tracing.sensor_xy_m,
+        tracing.axis_rad,
+        tracing.axis_range_m,
+        tracing.cone_range_m,
         faces,
         links,
-        np.concatenate((survey.corners, corners)),
-        np.concatenate((survey.edges, edges)),
+        np.concatenate((tracing.corners, corners)),
+        np.concatenate((tracing.edges, edges)),
         searched,
         np.concatenate((rays, searches)),
-        names,
-        survey.mirrors + 1,
+        ids,
+        tracing.mirrors + 1,
     )
 
 
 class _Leg(NamedTuple):
-    """Rays of the fans on one leg of their way, and what they met."""
+    """Rays of the fans on one leg of their path, and what they met."""
 
-    names: NDArray[np.int64]
+    ids: NDArray[np.int64]
     rays: NDArray[np.float64]
     leg_m: NDArray[np.float64]
     normal: NDArray[np.float64]
@@ -213,26 +213,26 @@ class _Leg(NamedTuple):
 
 
 @njit(cache=True)
-def _set_true_ranges(survey, leg, rules):
+def _set_true_ranges(tracing, leg, limits):
     for i in range(leg.surface.size):
         met_m, theta = leg.leg_m[i], leg.rays[i, t.RAY_THETA]
-        if met_m > rules.range_max_m:
+        if met_m > limits.range_max_m:
             continue
-        sonar = leg.names[i, t.OF_SONAR]
+        sonar = leg.ids[i, t.ID_SONAR]
         if theta == 0.0:
-            survey.axis_range_m[sonar] = met_m
-        if abs(theta) <= rules.cone_rad + 1e-9:
-            survey.cone_range_m[sonar] = min(survey.cone_range_m[sonar], met_m)
+            tracing.axis_range_m[sonar] = met_m
+        if abs(theta) <= limits.cone_rad + 1e-9:
+            tracing.cone_range_m[sonar] = min(tracing.cone_range_m[sonar], met_m)
 
 
 @njit(cache=True)
 def _are_neighbours(leg, i):
     """Return whether ray `i` and the one before it left one transducer over the same mirrors."""
-    a, b = leg.names[i - 1], leg.names[i]
+    a, b = leg.ids[i - 1], leg.ids[i]
     return (
-        a[t.OF_SONAR] == b[t.OF_SONAR]
-        and a[t.OF_MIRROR] == b[t.OF_MIRROR]
-        and b[t.OF_NUMBER] <= a[t.OF_NUMBER] + _THINNED
+        a[t.ID_SONAR] == b[t.ID_SONAR]
+        and a[t.ID_MIRROR] == b[t.ID_MIRROR]
+        and b[t.ID_NUMBER] <= a[t.ID_NUMBER] + _THINNED
     )
 
 
@@ -242,7 +242,7 @@ def _find_faces(leg, surfaces, mirrors):
     n, rays = leg.surface.size, leg.rays
     face = np.full(n, -1, np.int64)
     faces = np.empty((n, t.FACE_COLUMNS))
-    links = np.empty((n, t.TO_COLUMNS), np.int64)
+    links = np.empty((n, t.LINK_COLUMNS), np.int64)
     ray_of = np.empty((n, 2), np.int64)
     count = 0
     for i in range(n):
@@ -272,8 +272,8 @@ def _find_faces(leg, surfaces, mirrors):
         new[t.FACE_ALONG] = math.atan2(rays[i, t.RAY_DY], rays[i, t.RAY_DX])
         new[t.FACE_SIGN], new[t.FACE_LOSS] = rays[i, t.RAY_SIGN], rays[i, t.RAY_LOSS]
         new[t.FACE_MX], new[t.FACE_MY] = rays[i, t.RAY_MX], rays[i, t.RAY_MY]
-        links[count, t.TO_SONAR], links[count, t.TO_SURFACE] = leg.names[i, t.OF_SONAR], s
-        links[count, t.TO_MIRROR], links[count, t.TO_MIRRORS] = leg.names[i, t.OF_MIRROR], mirrors
+        links[count, t.LINK_SONAR], links[count, t.LINK_SURFACE] = leg.ids[i, t.ID_SONAR], s
+        links[count, t.LINK_MIRROR], links[count, t.LINK_MIRRORS] = leg.ids[i, t.ID_MIRROR], mirrors
         ray_of[count, 0] = ray_of[count, 1] = i
         face[i] = count
         count += 1
@@ -289,7 +289,7 @@ def bearing_to(face, x, y):
 
 @njit(cache=True)
 def distance_to(face, x, y):
-    """Return the way from the transducer to a point over the mirrors of a face."""
+    """Return the length of the path from the transducer to a point over the mirrors of a face."""
     return math.hypot(x - face[t.FACE_IX], y - face[t.FACE_IY])
 
 
@@ -297,7 +297,7 @@ def distance_to(face, x, y):
 def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
     """Return corners, edges and ends to look for; set faces' limits where two lines meet.
 
-    An end is looked for if what is there may be heard.
+    An end is looked for if what is there may be detected.
     """
     n, rays = leg.surface.size, leg.rays
     corners = np.empty((n, t.CORNER_COLUMNS))
@@ -338,9 +338,9 @@ def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
                         c += 1
                     continue
         near, far = i, j
-        if p < 0 or (q >= 0 and _way_m(leg, j) < _way_m(leg, i)):
+        if p < 0 or (q >= 0 and _path_m(leg, j) < _path_m(leg, i)):
             near, far = j, i
-        if _is_end_heard(leg, near, far, surfaces, acoustics):
+        if _is_end_detectable(leg, near, far, surfaces, acoustics):
             ends[b, t.END_FACE], ends[b, t.END_SIDE] = leg.known + face[near], far - near
             ends[b, t.END_INSIDE] = rays[near, t.RAY_THETA]
             ends[b, t.END_OUTSIDE] = rays[far, t.RAY_THETA]
@@ -350,8 +350,8 @@ def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
 
 
 @njit(cache=True)
-def _way_m(leg, i):
-    return leg.rays[i, t.RAY_WAY] + leg.leg_m[i]
+def _path_m(leg, i):
+    return leg.rays[i, t.RAY_PATH] + leg.leg_m[i]
 
 
 @njit(cache=True)
@@ -369,7 +369,7 @@ def _meeting(one, other, cross):
 def _is_hollow(leg, u, w, one, other, x, y):
     """Return whether each face stands before the other.
 
-    Told by their far ends, met by the rays `u` and `w`: the near ones may be the vertex itself.
+    Decided by their far ends, met by the rays `u` and `w`: the near ones may be the vertex itself.
     """
     rays, leg_m = leg.rays, leg.leg_m
     before = (rays[w, t.RAY_X] + leg_m[w] * rays[w, t.RAY_DX] - x) * one[t.FACE_NX]
@@ -386,48 +386,52 @@ def are_square(ax, ay, bx, by):
 
 
 @njit(cache=True)
-def _is_end_heard(leg, near, far, surfaces, acoustics):
-    """Return whether an end of a face between two rays may be heard as an edge or scatter."""
-    half = _way_m(leg, near)
+def _is_end_detectable(leg, near, far, surfaces, acoustics):
+    """Return whether an end of a face between two rays may be detected as an edge or scatter."""
+    half = _path_m(leg, near)
     sent_db = max(
         beam_db(acoustics, leg.rays[near, t.RAY_THETA]),
         beam_db(acoustics, leg.rays[far, t.RAY_THETA]),
     )
     like = surfaces[leg.surface[near]]
-    loudest_db = max(acoustics.edge_db - 20 * math.log10(max(half, 0.01)), like[t.SURFACE_FLOOR])
+    returned_db = max(acoustics.edge_db - 20 * math.log10(max(half, 0.01)), like[t.SURFACE_FLOOR])
     # 6 dB, because what is looked for lies between the rays.
-    level = best_db(acoustics, 2 * half) + 2 * sent_db + like[t.SURFACE_MIRROR] + loudest_db + 6.0
-    return level > 0
+    level_db = loudest_echo_db(acoustics, 2 * half) + 2 * sent_db
+    return level_db + like[t.SURFACE_MIRROR] + returned_db + 6.0 > 0
 
 
 @njit(cache=True)
-def _mirrored(leg, face, surfaces, rules, acoustics):
-    """Return (names, rays) of the rays that a flat face mirrors on and that may matter."""
+def _mirrored(leg, face, surfaces, limits, acoustics):
+    """Return (ids, rays) of the rays that a flat face mirrors on and that may matter."""
     n = leg.surface.size
-    names = np.empty((n, t.OF_COLUMNS), np.int64)
+    ids = np.empty((n, t.ID_COLUMNS), np.int64)
     rays = np.empty((n, t.RAY_COLUMNS))
     count = 0
     for i in range(n):
         like = surfaces[leg.surface[i]]
         if leg.surface[i] < 0 or like[t.SURFACE_RADIUS] > 0:
             continue  # a pillar spreads the sound too far
-        ray, way_m = leg.rays[i], _way_m(leg, i)
-        if way_m >= rules.reach_m:
+        ray, path_m = leg.rays[i], _path_m(leg, i)
+        if path_m >= limits.reach_m:
             continue
         loss_db = ray[t.RAY_LOSS] + like[t.SURFACE_MIRROR]
         one_way_db = beam_db(acoustics, ray[t.RAY_THETA])
-        # There and back each mirror is passed twice, on the way to another sonar once.
-        back_db = best_db(acoustics, 2 * way_m) + 2 * (one_way_db + loss_db)
-        there_db = best_db(acoustics, max(2 * way_m, rules.others_m)) + one_way_db + loss_db
-        if back_db <= 0 and (there_db <= 0 or leg.names[i, t.OF_NUMBER] % _THINNED):
+        # There and back each mirror is passed twice, on the path to another sonar once.
+        back_db = loudest_echo_db(acoustics, 2 * path_m) + 2 * (one_way_db + loss_db)
+        there_db = (
+            loudest_echo_db(acoustics, max(2 * path_m, limits.least_cross_path_m))
+            + one_way_db
+            + loss_db
+        )
+        if back_db <= 0 and (there_db <= 0 or leg.ids[i, t.ID_NUMBER] % _THINNED):
             continue
-        names[count] = leg.names[i]
-        names[count, t.OF_MIRROR] = leg.known + face[i]
+        ids[count] = leg.ids[i]
+        ids[count, t.ID_MIRROR] = leg.known + face[i]
         _mirror(rays[count], ray, leg.leg_m[i], leg.normal[i, 0], leg.normal[i, 1])
-        rays[count, t.RAY_REACH] = rules.reach_m - way_m
+        rays[count, t.RAY_REACH] = limits.reach_m - path_m
         rays[count, t.RAY_LOSS] = loss_db
         count += 1
-    return names[:count], rays[:count]
+    return ids[:count], rays[:count]
 
 
 @njit(cache=True)
@@ -439,9 +443,9 @@ def _mirror(new, ray, leg_m, nx, ny):
     new[t.RAY_DX], new[t.RAY_DY] = ray[t.RAY_DX] - 2 * along * nx, ray[t.RAY_DY] - 2 * along * ny
     height = (ray[t.RAY_IX] - x) * nx + (ray[t.RAY_IY] - y) * ny
     new[t.RAY_IX], new[t.RAY_IY] = ray[t.RAY_IX] - 2 * height * nx, ray[t.RAY_IY] - 2 * height * ny
-    new[t.RAY_THETA], new[t.RAY_WAY], new[t.RAY_SIGN] = (
+    new[t.RAY_THETA], new[t.RAY_PATH], new[t.RAY_SIGN] = (
         ray[t.RAY_THETA],
-        ray[t.RAY_WAY] + leg_m,
+        ray[t.RAY_PATH] + leg_m,
         -ray[t.RAY_SIGN],
     )
     new[t.RAY_MX], new[t.RAY_MY] = nx, ny
@@ -453,34 +457,36 @@ def _is_open(end):
 
 
 @njit(cache=True)
-def _searching(survey, ends, links, rules):
+def _searching(tracing, ends, links, limits):
     """Return the rays that split the gaps in which faces end."""
     rays = np.zeros((len(ends) * (_SPLIT - 1), t.RAY_COLUMNS))
     count = 0
     for end in ends:
         if not _is_open(end):
             continue
-        sonar = links[int(end[t.END_FACE]), t.TO_SONAR]
+        sonar = links[int(end[t.END_FACE]), t.LINK_SONAR]
         for k in range(1, _SPLIT):
             theta = end[t.END_INSIDE] + (end[t.END_OUTSIDE] - end[t.END_INSIDE]) * (k / _SPLIT)
-            _depart(rays[count], survey.sensor_xy_m, survey.axis_rad, sonar, theta, rules.reach_m)
+            _depart(
+                rays[count], tracing.sensor_xy_m, tracing.axis_rad, sonar, theta, limits.reach_m
+            )
             count += 1
     return rays[:count]
 
 
 @njit(cache=True)
-def _narrow_ends(survey, leg_m, surface, surfaces):
+def _narrow_ends(tracing, leg_m, surface, surfaces):
     """Let ends lie between the last ray that still meets the face and the one after it.
 
     Once an end is found, its face is limited by it.
     """
-    rays, m = survey.rays, len(survey.names)
+    rays, m = tracing.rays, len(tracing.ids)
     i = 0
-    for end in survey.ends:
+    for end in tracing.ends:
         if not _is_open(end):
             continue
         number = int(end[t.END_FACE])
-        face, wanted = survey.faces[number], survey.links[number, t.TO_SURFACE]
+        face, wanted = tracing.faces[number], tracing.links[number, t.LINK_SURFACE]
         last = 0
         for k in range(_SPLIT - 1):
             if surface[i + k] != wanted or last < k:

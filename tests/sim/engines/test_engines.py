@@ -8,6 +8,7 @@ import sim
 import sonarmap as sm
 import worlds
 from sim.engines.opening import ENGINES, open_engine
+from sim.engines.segments import Segments
 from sim.robot import amigobot
 from sim.sonar import presets as sonars
 from sonarmap import InputError
@@ -99,8 +100,8 @@ def test_straight_drive_follows_kinematics(opened):
         engine.advance(0.2, 0.2, 5.0)
         pose = engine.pose
     # Speeding up costs v^2 / (2 a) of the way.
-    way_m = 0.2 * 5.0 - 0.2**2 / (2 * amigobot.ACCELERATION_MPS2)
-    assert pose.x_m == pytest.approx(way_m, abs=2e-3)
+    driven_m = 0.2 * 5.0 - 0.2**2 / (2 * amigobot.ACCELERATION_MPS2)
+    assert pose.x_m == pytest.approx(driven_m, abs=2e-3)
     assert pose.y_m == pytest.approx(0, abs=1e-3)
     assert pose.heading_rad == pytest.approx(0, abs=1e-3)
 
@@ -169,6 +170,12 @@ def test_two_engines_do_not_meet(opened):
     assert mixed == expected
 
 
+def test_an_engine_of_ones_own_is_found_by_its_module(mine):
+    mine.Segments = type("Own", (Segments,), {})
+    with open_engine("mine:Segments", OPEN) as engine:
+        assert type(engine) is mine.Segments
+
+
 def test_unknown_engine_is_refused_with_the_nearest_name():
     with pytest.raises(InputError, match=r"engine 'bulet' is unknown; did you mean 'bullet'\?"):
         open_engine("bulet", OPEN)
@@ -205,8 +212,8 @@ def test_a_robot_slides_along_a_wall_and_never_into_it(heading_deg):
     assert touched[-1]
     assert pose.x_m == pytest.approx(1 - amigobot.BODY_RADIUS_M, abs=1e-6)
     # Along the wall the speed is what the heading leaves of it.
-    way_m = 0.3 * 10 - 0.3**2 / (2 * amigobot.ACCELERATION_MPS2)
-    assert pose.y_m == pytest.approx(way_m * math.sin(math.radians(heading_deg)), abs=0.01)
+    driven_m = 0.3 * 10 - 0.3**2 / (2 * amigobot.ACCELERATION_MPS2)
+    assert pose.y_m == pytest.approx(driven_m * math.sin(math.radians(heading_deg)), abs=0.01)
     assert pose.heading_rad == pytest.approx(math.radians(heading_deg))
 
 

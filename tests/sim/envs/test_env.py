@@ -313,13 +313,13 @@ def test_options_of_a_reset_hold_for_one_episode():
     options["start"] = (clutter.start.x_m, clutter.start.y_m, 0.5)
     _, info = env.reset(seed=0, options=options)
     assert info["true_pose"].tolist() == list(options["start"])
-    assert env.team.setting_of(0).world.name == "clutter"
-    assert env.team.setting_of(0).sonar.name == "thesis"
-    assert env.team.task.goal_of(0) == (3.0, 3.0)
+    assert env.batch.setup_of(0).world.name == "clutter"
+    assert env.batch.setup_of(0).sonar.name == "thesis"
+    assert env.batch.task.goal_of(0) == (3.0, 3.0)
     env.step(env.action_space.sample())
     env.reset()
-    assert env.team.setting_of(0).world.name == "office"
-    assert env.team.setting_of(0).sonar.name == "aria"
+    assert env.batch.setup_of(0).world.name == "office"
+    assert env.batch.setup_of(0).sonar.name == "aria"
 
 
 def test_a_world_may_be_a_file(tmp_path):
@@ -332,24 +332,24 @@ def test_a_world_may_be_a_file(tmp_path):
     )
     env = make("sonarbed/Explore-v0", world=file)
     env.reset(seed=0)
-    assert env.unwrapped.team.setting_of(0).world.name == "hall"
+    assert env.unwrapped.batch.setup_of(0).world.name == "hall"
 
 
 def test_randomisation_draws_materials_noise_and_air_for_every_episode():
     drawn = {"materials": ("metal", "foam"), "noise": (1, 4), "temperature_c": (0, 40)}
     env = make("sonarbed/Explore-v0", randomisation=drawn, world="clutter").unwrapped
-    settings = []
+    setups = []
     for seed in range(6):
         env.reset(seed=seed)
-        settings.append(env.team.setting_of(0))
-    noise = [setting.sonar.noise_std_m for setting in settings]
-    scales = [setting.sonar.range_scale for setting in settings]
+        setups.append(env.batch.setup_of(0))
+    noise = [setup.sonar.noise_std_m for setup in setups]
+    scales = [setup.sonar.range_scale for setup in setups]
     assert 0.001 <= min(noise) < max(noise) <= 0.004
     # 331.3 sqrt(1 + t / 273.15) m/s at 0, 20 and 40 degrees.
     assert 343.2 / 354.8 <= min(scales) < max(scales) <= 343.3 / 331.3
-    materials = {solid.material.name for setting in settings for solid in setting.world.solids}
+    materials = {solid.material.name for setup in setups for solid in setup.world.solids}
     assert materials == {"metal", "foam"}
-    assert len({tuple(s.material.name for s in each.world.solids) for each in settings}) > 1
+    assert len({tuple(s.material.name for s in each.world.solids) for each in setups}) > 1
 
 
 def test_a_sonar_that_fires_between_steps_of_the_physics_is_refused():
@@ -378,10 +378,10 @@ def robot_at(frame):
 def test_the_robots_pixels_move_as_the_robot_does():
     env = sim.envs.FollowWallEnv(world="office", start=(2.0, 3.0, 0.0), render_mode="rgb_array")
     env.reset(seed=0)
-    before, pose_before = env.render(), env.team.states["true_pose"][0].copy()
+    before, pose_before = env.render(), env.batch.states["true_pose"][0].copy()
     for _ in range(20):
         env.step(np.array([0.6, 0.0], np.float32))
-    after, pose_after = env.render(), env.team.states["true_pose"][0].copy()
+    after, pose_after = env.render(), env.batch.states["true_pose"][0].copy()
     assert before.shape == after.shape
     moved_px = np.subtract(robot_at(after), robot_at(before))
     moved_m = (pose_after - pose_before)[:2]

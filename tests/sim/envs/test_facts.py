@@ -32,21 +32,21 @@ def test_what_lies_behind_a_gap_too_narrow_is_not_reachable():
     facts = RoomFacts(world(*walls, left, right, start=(-1.0, 0.0, 0.0)), 0.1)
     assert facts.is_reachable(-1.0, 0.5)
     assert not facts.is_reachable(1.0, 0.5)
-    assert facts.way_m(-1.0, 0.0)[facts.grid.cell_of(1.0, 0.0)] == math.inf
+    assert facts.distance_m(-1.0, 0.0)[facts.grid.cell_of(1.0, 0.0)] == math.inf
 
 
 def test_ways_go_around_obstacles():
     # A wall from the top leaves a passage at the bottom of a room 4 m wide.
     wall = box("wall", -0.1, -1.0, 0.1, 2.0)
     facts = RoomFacts(world(*closed_room(2.0).solids, wall, start=(-1.0, 1.0, 0.0)), 0.05)
-    way_m = facts.way_m(1.0, 1.0)
-    left_m = way_m[facts.grid.cell_of(-1.0, 1.0)]
+    distance_m = facts.distance_m(1.0, 1.0)
+    left_m = distance_m[facts.grid.cell_of(-1.0, 1.0)]
     # Around the wall's end, at the robot's radius: two straight parts and a little between.
     corner = 1.0 + BODY_RADIUS_M
     shortest_m = 2 * math.hypot(1.0 - 0.1, 1.0 + corner) + 0.2
     # Steps are straight or diagonal, and the cells at the corner must leave the robot room.
     assert shortest_m <= left_m <= shortest_m * 1.15
-    assert way_m[facts.grid.cell_of(1.0, 0.5)] == pytest.approx(0.5, abs=0.051)
+    assert distance_m[facts.grid.cell_of(1.0, 0.5)] == pytest.approx(0.5, abs=0.051)
 
 
 def test_random_goals_are_as_far_as_asked(rng):
@@ -54,7 +54,7 @@ def test_random_goals_are_as_far_as_asked(rng):
     start = facts.random_start(rng)
     for _ in range(30):
         goal = facts.random_goal(rng, start, 2.0, 4.0)
-        assert 1.9 <= facts.way_m(*goal)[facts.grid.cell_of(start.x_m, start.y_m)] <= 4.1
+        assert 1.9 <= facts.distance_m(*goal)[facts.grid.cell_of(start.x_m, start.y_m)] <= 4.1
         assert facts.is_reachable(*goal)
 
 

@@ -9,8 +9,8 @@ from support import make_log
 import sonarmap as sm
 import worlds
 from sim import OdometryModel
-from sim.envs.backends.compiled.backend import BatchPhysics
-from sim.envs.backends.engine import Setting
+from sim.envs.backends.compiled.backend import CompiledBackend
+from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.facts import facts_of
 from sim.envs.maps.robot_maps import RobotMaps
 from sim.sonar import presets as sonars
@@ -24,20 +24,20 @@ ROOMS = ("office", "thesis-exp1", "clutter", "l-shape", "round-room")
 def drive(rng):
     """Return (states at every step, maps, facts) of robots in rooms of different sizes."""
     facts = [facts_of(worlds.load(room), 0.1) for room in ROOMS]
-    physics = BatchPhysics(SONAR, len(ROOMS), 0.1)
+    backend = CompiledBackend(SONAR, len(ROOMS), 0.1)
     maps = RobotMaps(len(ROOMS), SONAR.ring, MODEL)
     for row, known in enumerate(facts):
         streams = np.random.default_rng(row).spawn(2)
         start = known.random_start(rng)
-        physics.begin(row, Setting(known.world, start, SONAR, OdometryModel(), *streams))
+        backend.begin(row, EpisodeSetup(known.world, start, SONAR, OdometryModel(), *streams))
         maps.begin(row, known)
     everybody = np.arange(len(ROOMS))
     steps, gains = [], []
     for _ in range(40):
-        maps.add(physics.states, everybody)
-        steps.append(physics.states.copy())
+        maps.add(backend.states, everybody)
+        steps.append(backend.states.copy())
         gains.append((maps.bits_gained, maps.new_cells))
-        physics.advance(rng.uniform(-0.2, 0.7, (len(ROOMS), 2)), np.ones(len(ROOMS), bool))
+        backend.advance(rng.uniform(-0.2, 0.7, (len(ROOMS), 2)), np.ones(len(ROOMS), bool))
     return steps, gains, maps, facts
 
 
@@ -129,11 +129,11 @@ def test_ahead_is_up_and_left_is_left():
     known = facts_of(worlds.load("thesis-exp1"), 0.1)
     maps = RobotMaps(1, SONAR.ring, MODEL)
     maps.begin(0, known)
-    physics = BatchPhysics(SONAR, 1, 0.1)
+    backend = CompiledBackend(SONAR, 1, 0.1)
     streams = np.random.default_rng(0).spawn(2)
     room = known.world
-    physics.begin(0, Setting(room, room.start, SONAR, OdometryModel(), *streams))
-    states = physics.states.copy()
+    backend.begin(0, EpisodeSetup(room, room.start, SONAR, OdometryModel(), *streams))
+    states = backend.states.copy()
     x, y, _ = states["believed_pose"][0]
     states["believed_pose"][0] = x, y, math.pi / 2
     states["fired_pose"][0] = x, y, math.pi / 2

@@ -218,7 +218,7 @@ def test_a_data_set_is_not_overwritten(minari):
     ("arguments", "changes", "message"),
     [
         ({}, {"episodes": 0}, "episodes must be >= 1, got 0"),
-        ({"world": worlds.load(OFFICE)}, {}, "arguments that JSON can tell"),
+        ({"world": worlds.load(OFFICE)}, {}, "arguments that JSON can hold"),
     ],
 )
 def test_what_minari_could_not_keep_is_named(minari, arguments, changes, message, tmp_path):

@@ -12,7 +12,7 @@ from sim.envs.states import new_states
 from sim.envs.tasks.explore import Explore, ExploreWeights, explore_terms
 from sim.envs.tasks.follow_wall import FollowWall, closeness, follow_terms
 from sim.envs.tasks.navigate import Navigate, NavigateWeights, navigate_terms
-from sim.envs.tasks.task import Briefing, Moment, weighted
+from sim.envs.tasks.task import StepOutcome, TaskSetup, weighted
 from sim.robot.amigobot import SPEED_MAX_MPS
 from sonarmap import InputError
 from worlds import Pose
@@ -27,13 +27,15 @@ def states_at(*poses):
     return states
 
 
-def moment(states, maps=None, stuck=None, effort=0.0):
+def outcome(states, maps=None, stuck=None, effort=0.0):
     n = len(states)
-    return Moment(states, np.zeros(n, bool) if stuck is None else stuck, np.full(n, effort), maps)
+    return StepOutcome(
+        states, np.zeros(n, bool) if stuck is None else stuck, np.full(n, effort), maps
+    )
 
 
-def brief(start=(2.5, 3.0, 0.0), goal="random", facts=OFFICE, seed=0):
-    return Briefing(facts, Pose(*start), goal, np.random.default_rng(seed))
+def task_setup(start=(2.5, 3.0, 0.0), goal="random", facts=OFFICE, seed=0):
+    return TaskSetup(facts, Pose(*start), goal, np.random.default_rng(seed))
 
 
 class Gains:
@@ -81,33 +83,35 @@ def test_the_reward_is_the_weighted_sum_of_its_terms():
 
 def test_explore_counts_gains_in_square_metres_and_ends_when_all_is_mapped():
     task = Explore(1, ExploreWeights(map_score=2.0, area=1.0, collision=0.0, effort=0.0))
-    task.begin(0, brief())
+    task.begin(0, task_setup())
     states, cells = states_at((2.5, 3.0, 0.0)), OFFICE.reachable_cells
-    verdict = task.judge(moment(states, Gains(30.0, 5.0, 0.5 * cells)))
-    assert verdict.reward[0] == pytest.approx(2 * 0.30 + 0.05)
-    assert (verdict.terminated[0], verdict.info["mapped_share"][0]) == (False, 0.5)
-    verdict = task.judge(moment(states, Gains(0.0, 0.0, math.ceil(0.95 * cells))))
-    assert verdict.terminated[0]
-    verdict = task.judge(moment(states, Gains(0.0, 0.0, 0.0), stuck=~NO))
-    assert verdict.terminated[0]
+    evaluation = task.evaluate(outcome(states, Gains(30.0, 5.0, 0.5 * cells)))
+    assert evaluation.reward[0] == pytest.approx(2 * 0.30 + 0.05)
+    assert (evaluation.terminated[0], evaluation.info["mapped_share"][0]) == (False, 0.5)
+    evaluation = task.evaluate(outcome(states, Gains(0.0, 0.0, math.ceil(0.95 * cells))))
+    assert evaluation.terminated[0]
+    evaluation = task.evaluate(outcome(states, Gains(0.0, 0.0, 0.0), stuck=~NO))
+    assert evaluation.terminated[0]
 
 
 def test_navigate_rewards_the_way_around_obstacles_and_ends_at_the_goal():
     task = Navigate(1, NavigateWeights(time=0.0, effort=0.0))
     goal = (2.55, 1.05)
-    task.begin(0, brief((2.55, 3.05, 0.0), goal))
-    verdict = task.judge(moment(states_at((2.55, 2.55, 0.0))))
-    way_m = OFFICE.way_m(*goal)
-    nearer = way_m[OFFICE.grid.cell_of(2.55, 3.05)] - way_m[OFFICE.grid.cell_of(2.55, 2.55)]
-    assert verdict.terms["progress"][0] == pytest.approx(nearer)
+    task.begin(0, task_setup((2.55, 3.05, 0.0), goal))
+    evaluation = task.evaluate(outcome(states_at((2.55, 2.55, 0.0))))
+    distance_m = OFFICE.distance_m(*goal)
+    nearer = (
+        distance_m[OFFICE.grid.cell_of(2.55, 3.05)] - distance_m[OFFICE.grid.cell_of(2.55, 2.55)]
+    )
+    assert evaluation.terms["progress"][0] == pytest.approx(nearer)
     assert nearer > 0.3
-    assert not verdict.terminated[0]
+    assert not evaluation.terminated[0]
     # Back to where it was: nothing is won by going to and fro.
-    again = task.judge(moment(states_at((2.55, 3.05, 0.0))))
+    again = task.evaluate(outcome(states_at((2.55, 3.05, 0.0))))
     assert again.terms["progress"][0] == pytest.approx(-nearer)
     # Inside of a wall, in no reachable cell, the way does not change.
-    assert task.judge(moment(states_at((-0.05, 3.0, 0.0)))).terms["progress"][0] == 0
-    there = task.judge(moment(states_at((2.55, 1.05 + 0.29, 1.0))))
+    assert task.evaluate(outcome(states_at((-0.05, 3.0, 0.0)))).terms["progress"][0] == 0
+    there = task.evaluate(outcome(states_at((2.55, 1.05 + 0.29, 1.0))))
     assert there.terminated[0]
     assert there.info["is_success"][0]
     assert there.reward[0] > 5
@@ -115,7 +119,7 @@ def test_navigate_rewards_the_way_around_obstacles_and_ends_at_the_goal():
 
 def test_the_goal_is_told_by_odometry():
     task = Navigate(1)
-    task.begin(0, brief((2.55, 3.05, 0.0), (2.55, 1.05)))
+    task.begin(0, task_setup((2.55, 3.05, 0.0), (2.55, 1.05)))
     states = states_at((2.55, 3.05, 0.0))
     states["believed_pose"] = (1.55, 1.05, math.pi / 2)  # lost: the goal seems 1 m to the right
     assert task.observe(states)["goal"][0] == pytest.approx([0.1, 0.0, -1.0], abs=1e-6)
@@ -126,39 +130,39 @@ def test_each_robot_has_its_own_goal_and_room():
     task = Navigate(2)
     small = facts_of(worlds.load("thesis-exp1"), 0.1)
     start = small.world.start
-    task.begin(0, brief((2.55, 3.05, 0.0), (2.55, 1.05)))
-    task.begin(1, brief((start.x_m, start.y_m, 0.0), "random", small))
+    task.begin(0, task_setup((2.55, 3.05, 0.0), (2.55, 1.05)))
+    task.begin(1, task_setup((start.x_m, start.y_m, 0.0), "random", small))
     near = states_at((2.55, 1.1, 0.0), (start.x_m, start.y_m, 0.0))
-    assert task.judge(moment(near)).terminated.tolist() == [True, False]
+    assert task.evaluate(outcome(near)).terminated.tolist() == [True, False]
 
 
 @pytest.mark.parametrize("goal", [(-50.0, 0.0), (-0.05, 3.0), (5.0, 1.0)])
 def test_a_goal_in_a_wall_or_outside_is_refused(goal):
     with pytest.raises(InputError, match=r"goal of .* must be where the robot .* fits"):
-        Navigate(1).begin(0, brief(goal=goal))
+        Navigate(1).begin(0, task_setup(goal=goal))
 
 
 def test_follow_wall_measures_the_wall_on_the_left():
     room = RoomFacts(closed_room(1.5), 0.1)  # its northern wall is at y = 1.5
     task = FollowWall(1)
-    task.begin(0, brief((0.0, 1.0, 0.0), facts=room))
-    verdict = task.judge(moment(states_at((0.1 * SPEED_MAX_MPS, 1.0, 0.0))))
-    assert verdict.info["wall_m"][0] == pytest.approx(0.5)
-    assert verdict.terms["following"][0] == pytest.approx(1.0)
+    task.begin(0, task_setup((0.0, 1.0, 0.0), facts=room))
+    evaluation = task.evaluate(outcome(states_at((0.1 * SPEED_MAX_MPS, 1.0, 0.0))))
+    assert evaluation.info["wall_m"][0] == pytest.approx(0.5)
+    assert evaluation.terms["following"][0] == pytest.approx(1.0)
     # Who drives west has it on the right.
-    task.begin(0, brief((0.0, 1.0, math.pi), facts=room))
-    verdict = task.judge(moment(states_at((-0.05, 1.0, math.pi))))
-    assert verdict.info["wall_m"][0] > 1.0
-    assert verdict.terms["following"][0] == 0
+    task.begin(0, task_setup((0.0, 1.0, math.pi), facts=room))
+    evaluation = task.evaluate(outcome(states_at((-0.05, 1.0, math.pi))))
+    assert evaluation.info["wall_m"][0] > 1.0
+    assert evaluation.terms["following"][0] == 0
     # To stand is not to follow.
-    task.begin(0, brief((0.0, 1.0, 0.0), facts=room))
-    assert task.judge(moment(states_at((0.0, 1.0, 0.0)))).terms["following"][0] == 0
+    task.begin(0, task_setup((0.0, 1.0, 0.0), facts=room))
+    assert task.evaluate(outcome(states_at((0.0, 1.0, 0.0)))).terms["following"][0] == 0
 
 
 @pytest.mark.parametrize("task", [Navigate, FollowWall])
 def test_who_is_stuck_is_done(task):
-    judge = task(1)
-    judge.begin(0, brief())
+    judged = task(1)
+    judged.begin(0, task_setup())
     states = states_at((2.5, 3.0, 0.0))
-    assert not judge.judge(moment(states)).terminated[0]
-    assert judge.judge(moment(states, stuck=~NO)).terminated[0]
+    assert not judged.evaluate(outcome(states)).terminated[0]
+    assert judged.evaluate(outcome(states, stuck=~NO)).terminated[0]

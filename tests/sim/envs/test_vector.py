@@ -104,7 +104,7 @@ def test_rows_differ_and_rooms_are_drawn():
     env = vector("sonarbed/Explore-v0", robots=20, world=["office", "clutter"])
     _, info = env.reset(seed=0)
     assert len(np.unique(info["true_pose"], axis=0)) == 20
-    rooms = [env.team.setting_of(row).world.name for row in range(20)]
+    rooms = [env.batch.setup_of(row).world.name for row in range(20)]
     assert set(rooms) == {"office", "clutter"}
 
 

@@ -103,6 +103,35 @@ def test_names_make_drivers():
         assert callable(drivers.driver(name, room).begin(np.random.default_rng(0)))
 
 
+def test_a_driver_of_ones_own_is_an_instance_a_class_or_a_function_of_the_world(mine):
+    class Spin:
+        def begin(self, rng):
+            return lambda sensed: (-0.1, 0.1)
+
+    mine.Spin, mine.spin = Spin, Spin()
+    mine.along = lambda room: Waypoints(room.route_m)
+    room = worlds.load("l-shape")
+    assert isinstance(drivers.driver("mine:Spin", room), Spin)
+    assert drivers.driver("mine:spin", room) is mine.spin
+    assert drivers.driver("mine:along", room) == drivers.driver("route", room)
+    log = sim.simulate(room, scans=3, seed=0, driver="mine:Spin", sonar="aria", engine="segments")
+    assert (np.diff(log.truth.heading_rad[::8]) >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("mine:number", "driver 'mine:number' must be a driver or make one, got 3"),
+        ("sim:Waypoints", "driver 'sim:Waypoints' must be made without arguments: .*points_m"),
+        ("mine:Nobody", "driver 'mine:Nobody' cannot be imported: 'mine' has no 'Nobody'"),
+    ],
+)
+def test_what_is_no_driver_is_refused(mine, name, message):
+    mine.number = 3
+    with pytest.raises(InputError, match=message):
+        drivers.driver(name, world())
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -37,9 +37,9 @@ def test_encoders_never_lose_more_than_a_tick(rng):
     model = OdometryModel(scale_spread=0, turn_spread=0, slip_std_m=0)
     odometer = Odometer(model, START, rng)
     tick_m = 2 * math.pi * WHEEL_RADIUS_M / model.ticks_per_turn
-    for way_m in np.linspace(0, 1, 337):
-        pose = odometer.update(turns(way_m, way_m))
-        assert -1e-12 <= 2.0 + way_m - pose.y_m <= tick_m + 1e-12
+    for driven_m in np.linspace(0, 1, 337):
+        pose = odometer.update(turns(driven_m, driven_m))
+        assert -1e-12 <= 2.0 + driven_m - pose.y_m <= tick_m + 1e-12
 
 
 def errors(model, drive, seeds=400):

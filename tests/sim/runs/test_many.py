@@ -5,7 +5,7 @@ import pytest
 import sim
 import sonarmap as sm
 import worlds
-from sim.runs.many import MANIFEST, simulate_many
+from sim.runs.many import MANIFEST
 
 pytestmark = pytest.mark.engine
 
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.engine
 def test_parallel_logs_equal_single_ones(tmp_path):
     room = worlds.load("thesis-exp1")
     done = []
-    manifest = simulate_many(
+    manifest = sim.simulate_many(
         room, tmp_path, seeds=[4, 2], jobs=2, on_done=done.append, scans=5, driver="wander"
     )
     assert sorted(done) == [2, 4]
@@ -42,5 +42,5 @@ def test_parallel_logs_equal_single_ones(tmp_path):
 def test_bad_arguments_are_refused_and_leave_no_manifest(tmp_path, changes, message):
     arguments = {"seeds": [0], "scans": 2} | changes
     with pytest.raises(sm.InputError, match=message):
-        simulate_many(worlds.load("thesis-exp1"), tmp_path, **arguments)
+        sim.simulate_many(worlds.load("thesis-exp1"), tmp_path, **arguments)
     assert not (tmp_path / MANIFEST).exists()

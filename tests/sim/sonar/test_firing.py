@@ -1,6 +1,7 @@
 """Firing schedules and status packets. The room is simple; what matters is when and where."""
 
 import math
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from rooms import closed_room
 
 import sim
 from sim import AllAtOnce, ConeSonar, ConstantSpeeds, Eeruf, InTurn, OdometryModel, StatusPackets
+from sim.sonar.firing import check_firing, pings
 from sonarmap import AMIGOBOT, InputError
 
 
@@ -39,6 +41,44 @@ def test_delays_of_eeruf_change_differently_for_each_pair():
 
 
 @pytest.mark.parametrize(
+    ("firing", "offsets_s"),
+    [
+        (AllAtOnce(0.1), [[0.0], [0.0]]),
+        (InTurn(0.02, order=(3, 0)), [[0.0, 0.02], [0.0, 0.02]]),
+        (Eeruf(0.1, 0.010, 0.005, order=(2, 1)), [[0.0, 0.010], [0.0, 0.005]]),
+    ],
+)
+def test_pings_are_the_slots_scan_by_scan(firing, offsets_s):
+    walked = list(pings(firing, 8, scans=2))
+    for scan in (0, 1):
+        of_scan = [ping for ping in walked if ping.scan == scan]
+        assert [ping.offset_s for ping in of_scan] == offsets_s[scan]
+        begin_s = scan * firing.period_s
+        assert [ping.time_s for ping in of_scan] == [begin_s + at_s for at_s in offsets_s[scan]]
+        slots = firing.slots(scan, 8)
+        assert [ping.sonars for ping in of_scan] == [slot.sonars for slot in slots]
+    # Without an end they go on alike.
+    assert list(islice(pings(firing, 8), len(walked))) == walked
+
+
+@pytest.mark.parametrize(
+    ("firing", "message"),
+    [
+        (AllAtOnce(0.0333), r"scan_period_s must be a multiple of 0.005 s, got 0.0333"),
+        (InTurn(0.0123), "scan_period_s must be a multiple of 0.005 s"),
+        (InTurn(0.0075, (0, 1)), r"the time between firings must be a multiple .* got 0.0075"),
+        # The lags of odd scans count as well.
+        (Eeruf(0.1, 0.010, 0.003), r"the time between firings must be a multiple .* got 0.003"),
+        (InTurn(order=(0, 8)), r"order\[1\] must be 0 to 7, got 8"),
+    ],
+)
+def test_firings_between_steps_of_the_physics_are_refused(firing, message):
+    check_firing(InTurn(), 8)
+    with pytest.raises(InputError, match=message):
+        check_firing(firing, 8)
+
+
+@pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: AllAtOnce(0), r"period_s must be > 0, got 0"),
@@ -66,7 +106,7 @@ class InTurnCone(ConeSonar):
     def firing(self):
         return InTurn()
 
-    def ears(self, rays, world, rng):
+    def array(self, rays, world, rng):
         return _OneByOne(self, rays, world, rng)
 
 
@@ -79,7 +119,7 @@ class _OneByOne:
         heard = sonar.listen(rays, world, sensor_xy_m, axis_rad, rng)
         self.heard.append([getattr(heard, name)[list(sonars)] for name in vars(heard)])
 
-    def hear(self):
+    def detect(self):
         columns = [np.concatenate(column) for column in zip(*self.heard, strict=True)]
         self.heard = []
         return sim.Echoes(*columns)

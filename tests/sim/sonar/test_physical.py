@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rooms import MIRROR, box, closed_room, pillar, world
 
-from sim import AllAtOnce, Beacon, Eeruf, InTurn, PhysicalSonar, Piston, Receiver
+from sim import AllAtOnce, Eeruf, Interferer, InTurn, PhysicalSonar, Piston, Receiver
 from sim.sonar import presets as sonars
 from sim.sonar.air import Air
 from sonarmap import AMIGOBOT, Cause, InputError, LogTruth, SonarRing
@@ -25,9 +25,9 @@ def wall(distance_m=2.0, tilt_deg=0.0, material=MIRROR, half_m=30.0):
 
 
 def listen(room, *, sonar=SHARP, at=(0.0, 0.0), axis_deg=0.0, rng=None):
-    ears = sonar.ears(room.faces, room, np.random.default_rng(0) if rng is None else rng)
-    ears.fire(0.0, (0,), np.array([at], float), np.radians([axis_deg]))
-    return ears.hear()
+    array = sonar.array(room.faces, room, np.random.default_rng(0) if rng is None else rng)
+    array.fire(0.0, (0,), np.array([at], float), np.radians([axis_deg]))
+    return array.detect()
 
 
 def heard(room, **arguments):
@@ -282,11 +282,11 @@ def pair(*, firing, receiver=None, **changes):
 def test_way_longer_than_a_slot_is_read_as_the_ghost_of_arithmetic():
     # The face is 7.5 m away: 15 m of way, heard in the next sonar's slot.
     sonar, room = pair(firing=InTurn(0.040, (0, 1))), world(wall(7.5, half_m=30))
-    ears = sonar.ears(room.faces, room, np.random.default_rng(0))
+    array = sonar.array(room.faces, room, np.random.default_rng(0))
     places = np.column_stack([sonar.ring.x_m, sonar.ring.y_m])
     for sonar_number in (0, 1):
-        ears.fire(0.040 * sonar_number, (sonar_number,), places, np.zeros(2))
-    echoes = ears.hear()
+        array.fire(0.040 * sonar_number, (sonar_number,), places, np.zeros(2))
+    echoes = array.detect()
     ghost_m = (math.hypot(15.0, 0.1) - 343.2 * 0.040) / 2
     assert echoes.range_m[0] == math.inf
     assert echoes.range_m[1] == pytest.approx(ghost_m, abs=0.005)
@@ -299,17 +299,17 @@ def test_all_at_once_one_hears_the_others_sound():
     ring = SonarRing("two", [0, 0], [0, 0], np.radians([0, 29]), math.radians(15), 0.1, 5.0)
     sonar = PhysicalSonar("two", ring, AllAtOnce(0.1), receiver=Receiver(40, 1.0, quantum_m=0))
     room = world(wall(1.0))
-    ears = sonar.ears(room.faces, room, np.random.default_rng(0))
-    ears.fire(0.0, (0, 1), np.zeros((2, 2)), ring.heading_rad)
-    echoes = ears.hear()
+    array = sonar.array(room.faces, room, np.random.default_rng(0))
+    array.fire(0.0, (0, 1), np.zeros((2, 2)), ring.heading_rad)
+    echoes = array.detect()
     assert [Cause(cause) for cause in echoes.cause] == [Cause.DIRECT, Cause.CROSSTALK]
     assert echoes.source.tolist() == [0, 0]
     assert echoes.range_m[1] == pytest.approx(1.0, abs=0.02)
 
 
 def test_beacon_is_heard_as_an_outside_source():
-    beacon = Beacon(3.0, 0.0, period_s=1.0, first_s=0.010)
-    sonar = SHARP.replace(beacons=(beacon,))
+    interferer = Interferer(3.0, 0.0, period_s=1.0, first_s=0.010)
+    sonar = SHARP.replace(interferers=(interferer,))
     echoes = listen(world(), sonar=sonar)
     assert echoes.range_m[0] == pytest.approx((3.0 + 0.010 * 343.2) / 2, abs=1e-3)
     assert Cause(echoes.cause[0]) is Cause.CROSSTALK
@@ -339,8 +339,8 @@ def test_beacon_is_heard_as_an_outside_source():
         (lambda: Receiver(noise_std_m=-1), r"noise_std_m must be >= 0, got -1"),
         (lambda: Receiver(weak_noise_std_m=math.nan), r"weak_noise_std_m must be >= 0, got nan"),
         (lambda: Receiver(quantum_m=-1), r"quantum_m must be >= 0, got -1"),
-        (lambda: Beacon(0, 0, 0), r"period_s must be > 0, got 0"),
-        (lambda: Beacon(math.nan, 0, 1), r"x_m must be a finite number, got nan"),
+        (lambda: Interferer(0, 0, 0), r"period_s must be > 0, got 0"),
+        (lambda: Interferer(math.nan, 0, 1), r"x_m must be a finite number, got nan"),
         (lambda: Material("m", 1.0, 0.5, 0.0, 1.0), r"diffuse_floor_db must be within \[-100, 0\]"),
         (lambda: sonars.preset("fysical"), r"sonar 'fysical' is unknown; .* 'physical'\?"),
     ],
@@ -368,10 +368,10 @@ def test_webots_reads_the_maximum_where_every_ray_grazes():
 def test_closed_room_is_heard_by_all():
     eight = PhysicalSonar("eight", AMIGOBOT, AllAtOnce(0.1))
     room = closed_room(1.5, BRICK)
-    ears = eight.ears(room.faces, room, np.random.default_rng(0))
+    array = eight.array(room.faces, room, np.random.default_rng(0))
     places = np.column_stack([AMIGOBOT.x_m, AMIGOBOT.y_m])
-    ears.fire(0.0, tuple(range(8)), places, AMIGOBOT.heading_rad)
-    assert np.isfinite(ears.hear().range_m).all()
+    array.fire(0.0, tuple(range(8)), places, AMIGOBOT.heading_rad)
+    assert np.isfinite(array.detect().range_m).all()
 
 
 def test_single_transducers_do_not_hear_each_other():

@@ -49,7 +49,7 @@ def is_free(room, start, end):
     return hit.distance_m[0] > length - 1e-4
 
 
-def level_db(way_m, bearings_rad, mirrors):
+def level_db(path_m, bearings_rad, mirrors):
     # With the whole loss taken back by the gain, what is left is beam and mirrors.
     losses = mirrors * 20 * math.log10(GLASS.reflectivity)
     return RANGE_DB + losses + sum(float(Piston().level_db(bearing)) for bearing in bearings_rad)
@@ -115,9 +115,9 @@ def test_mirror_ways_equal_a_walk_over_all_pairs_of_faces(rng):
     seen = {0: 0, 1: 0}
     for _ in range(150):
         room, axis_rad = random_room(rng), rng.uniform(-math.pi, math.pi)
-        ears = SONAR.ears(room.faces, room, rng)
-        ears.fire(0.0, (0,), np.zeros((1, 2)), np.array([axis_rad]))
-        echoes = ears.hear()
+        array = SONAR.array(room.faces, room, rng)
+        array.fire(0.0, (0,), np.zeros((1, 2)), np.array([axis_rad]))
+        echoes = array.detect()
         # What is louder than the threshold by a hair may be lost to the beam's table.
         audible = [way for way in ways(room, axis_rad) if way[1] > 0.3 and way[0] < 10]
         nearly = {round(way[0] / 2, 6) for way in ways(room, axis_rad) if abs(way[1]) <= 0.3}

@@ -1,1 +1,1 @@
-"""Physics of many robots with simple cones at once, in a few compiled calls."""
+"""Many robots with simple cones at once, in a few compiled calls."""

@@ -1,83 +1,89 @@
-"""Physics of many robots with simple cones at once, on the faces of their rooms."""
+"""`CompiledBackend`: many robots with simple cones at once, on the faces of their rooms."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.envs.backends.compiled.stepping import advance_alone, advance_together, body_dtype
-from sim.envs.backends.engine import Setting
+from sim.envs.backends.compiled.cone import RingGeometry
+from sim.envs.backends.compiled.stepping import (
+    Draws,
+    advance_alone,
+    advance_together,
+    body_dtype,
+)
+from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.rooms import Rooms
 from sim.envs.states import new_states
+from sim.robot.clock import physics_steps
 from sim.robot.odometry import drawn_errors
-from sim.runs.drive import physics_steps
-from sim.sonar.cone.sonar import ConeSonar
-from sim.sonar.cone.webots import WEBOTS_CRITICAL_RAD, WebotsSonar
+from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.protocol import Sonar
+from sonarmap import InputError
 from worlds import World
 
-__all__ = ["BatchPhysics", "is_simple"]
+__all__ = ["CompiledBackend"]
 
 # Random numbers are drawn for so many control steps at once.
 _STEPS_AHEAD = 64
 
 
-class BatchPhysics:
-    """What `EnginePhysics` does on `segments` with simple cones, in a few compiled calls.
+class CompiledBackend:
+    """What `EngineBackend` does on `segments` with simple cones, in a few compiled calls.
 
     Parameters
     ----------
-    sonar : ConeSonar or WebotsSonar
-        Whose ring, rays and firing period all robots share; noise, materials and threshold may
-        differ between episodes.
+    sonar : Sonar
+        One with a `compiled_cone`. Its ring, rays and firing period all robots share; noise,
+        materials and threshold may differ between episodes.
     robots : int
         How many.
     control_s : float
         Length of a control step, a multiple of `sim.robot.amigobot.PHYSICS_DT_S`.
     """
 
-    def __init__(self, sonar: ConeSonar | WebotsSonar, robots: int, control_s: float) -> None:
+    def __init__(self, sonar: Sonar, robots: int, control_s: float) -> None:
         ring, sonars = sonar.ring, len(sonar.ring)
+        rays = _cone_of(sonar).rays
         self._steps = physics_steps(control_s)
         self._period = physics_steps(sonar.firing.period_s)
         self.states = new_states(robots, sonars)
         self._bodies = np.zeros(robots, body_dtype())
         self._rooms = Rooms(robots)
-        self._mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
         half_rad = ring.half_angle_rad
-        bearing_rad = np.linspace(-half_rad, half_rad, sonar.rays)
-        self._cos_bearing, self._sin_bearing = np.cos(bearing_rad), np.sin(bearing_rad)
+        bearing_rad = np.linspace(-half_rad, half_rad, rays)
+        mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
+        self._ring = RingGeometry(mounts, np.cos(bearing_rad), np.sin(bearing_rad))
         self._materials = np.zeros((robots, 3, 1))
         firings = math.ceil(_STEPS_AHEAD * self._steps / self._period) + 1
         self._noise = _Normals(robots, firings, sonars)
         # Of a step there is one move to each firing in it and one to its end.
         self._slip = _Normals(robots, firings + _STEPS_AHEAD, 2)
+        self._draws = Draws(self._noise.values, self._slip.values)
         # Control steps for which there are random numbers yet.
         self._ahead = np.zeros(robots, np.int64)
 
-    def begin(self, row: int, setting: Setting) -> None:
-        """Begin an episode of one robot; what fires at time 0 is heard."""
-        start, rules = setting.start, _rules_of(setting.sonar)
+    def begin(self, row: int, setup: EpisodeSetup) -> None:
+        """Begin an episode of one robot; what fires at time 0 is read."""
+        start, cone = setup.start, _cone_of(setup.sonar)
         state, body = self.states[row], self._bodies[row]
         state["true_pose"] = state["believed_pose"] = start.x_m, start.y_m, start.heading_rad
         state["wheel_mps"] = 0.0
-        body["room"] = self._rooms.enter(row, setting.world)
+        body["room"] = self._rooms.enter(row, setup.world)
         for name in ("turns_rad", "speeds_mps", "ticks", "steps", "next_firing"):
             body[name] = 0
-        body["odometry"] = drawn_errors(setting.odometry, setting.slip_rng)
+        body["odometry"] = drawn_errors(setup.odometry, setup.slip_rng)
         body["firing_period"] = self._period
         for name in ("noise_std_m", "scale", "quantum_m", "silent_m", "threshold", "max_bounces"):
-            body[name] = getattr(rules, name)
-        body["near_m"] = setting.sonar.ring.range_min_m
-        body["far_m"] = setting.sonar.ring.range_max_m
-        self._set_materials(row, setting.world, rules)
-        self._noise.begin(row, setting.noise_rng)
-        self._slip.begin(row, setting.slip_rng)
+            body[name] = getattr(cone, name)
+        body["near_m"] = setup.sonar.ring.range_min_m
+        body["far_m"] = setup.sonar.ring.range_max_m
+        self._set_materials(row, setup.world, cone)
+        self._noise.begin(row, setup.noise_rng)
+        self._slip.begin(row, setup.slip_rng)
         body["noises"] = body["slips"] = 0
         self._ahead[row] = _STEPS_AHEAD
         self._call(advance_alone, np.zeros((len(self.states), 2)), 0, row)
@@ -107,22 +113,21 @@ class BatchPhysics:
         steps: int,
         rows: NDArray[np.int64] | int,
     ) -> None:
+        table = self._rooms.table
+        assert table is not None, "advanced before begin"
         kernel(
-            self._rooms.table,
+            tuple(table),
             self.states,
             self._bodies,
             self._materials,
-            self._mounts,
-            self._cos_bearing,
-            self._sin_bearing,
-            self._noise.values,
-            self._slip.values,
+            tuple(self._ring),
+            tuple(self._draws),
             wanted_mps,
             steps,
             rows,
         )
 
-    def _set_materials(self, row: int, world: World, rules: _Rules) -> None:
+    def _set_materials(self, row: int, world: World, cone: CompiledCone) -> None:
         robots, _, surfaces = self._materials.shape
         if surfaces < self._rooms.surfaces:
             grown = np.zeros((robots, 3, self._rooms.surfaces))
@@ -130,57 +135,17 @@ class BatchPhysics:
             self._materials = grown
         of_row = self._materials[row, :, : len(world.solids)]
         of_row[0] = np.cos(
-            world.critical_incidence_rad if rules.critical_rad is None else rules.critical_rad
+            world.critical_incidence_rad if cone.critical_rad is None else cone.critical_rad
         )
         of_row[1] = world.reflectivity
-        of_row[2] = rules.roughness * world.roughness_m
+        of_row[2] = cone.roughness_factor * world.roughness_m
 
 
-def is_simple(sonar: Sonar) -> TypeGuard[ConeSonar | WebotsSonar]:
-    """Return whether `BatchPhysics` knows a sonar."""
-    return isinstance(sonar, ConeSonar | WebotsSonar)
-
-
-@dataclass(frozen=True, slots=True)
-class _Rules:
-    """What the compiled step needs to know of a sonar, see `body_dtype`.
-
-    A critical angle is that of every surface, and the roughness of surfaces counts so many times.
-    """
-
-    noise_std_m: float
-    scale: float
-    quantum_m: float
-    silent_m: float
-    threshold: float
-    max_bounces: int
-    critical_rad: float | None
-    roughness: float
-
-
-def _rules_of(sonar: Sonar) -> _Rules:
-    if isinstance(sonar, WebotsSonar):
-        return _Rules(
-            noise_std_m=0.0,
-            scale=1.0,
-            quantum_m=0.0,
-            silent_m=sonar.ring.range_max_m,
-            threshold=0.0,
-            max_bounces=0,
-            critical_rad=WEBOTS_CRITICAL_RAD,
-            roughness=0.0,
-        )
-    assert isinstance(sonar, ConeSonar)
-    return _Rules(
-        noise_std_m=sonar.noise_std_m,
-        scale=sonar.range_scale,
-        quantum_m=sonar.quantum_m,
-        silent_m=math.inf,
-        threshold=sonar.threshold,
-        max_bounces=sonar.max_bounces,
-        critical_rad=None,
-        roughness=1.0,
-    )
+def _cone_of(sonar: Sonar) -> CompiledCone:
+    cone = sonar.compiled_cone()
+    if cone is None:
+        raise InputError(f"sonar {sonar.name!r} must be a simple cone to be compiled")
+    return cone
 
 
 class _Normals:

@@ -7,30 +7,71 @@ mirrored rays one by one, none farther than the first return so far.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from sim.envs.backends.compiled.fan import meet_fan
 from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
 from worlds.raycast import face_normal, first_hit
 
-__all__ = ["cone_memory", "hear_cone"]
+__all__ = ["ConeLimits", "ConeMemory", "RingGeometry", "cone_echo", "cone_memory"]
 
 # The rays of a fan are filled up to a multiple of this, see `meet_fan`.
 _WHOLE = 16
-# Mirrored rays: begin of the leg, direction, way so far, share of the amplitude that is left.
-_X, _Y, _DX, _DY, _WAY, _STRENGTH, _COLUMNS = range(7)
+# Mirrored rays: begin of the leg, direction, path so far, share of the amplitude that is left.
+_X, _Y, _DX, _DY, _PATH, _STRENGTH, _COLUMNS = range(7)
+
+
+class RingGeometry(NamedTuple):
+    """Where the sonars of a ring are, and the rays of a fan.
+
+    Parameters
+    ----------
+    mounts : ndarray, shape (sonars, 3)
+        Place and axis of each sonar in the robot's frame.
+    cos_bearing, sin_bearing : ndarray, shape (rays,)
+        Bearings of the rays off the axis, rising; the axis is in the middle.
+    """
+
+    mounts: NDArray[np.float64]
+    cos_bearing: NDArray[np.float64]
+    sin_bearing: NDArray[np.float64]
+
+
+class ConeLimits(NamedTuple):
+    """How far, over how many mirrors and how weak sound is traced, see `sim.ConeSonar`."""
+
+    far_m: float
+    max_bounces: int
+    threshold: float
+
+
+class ConeMemory(NamedTuple):
+    """Working memory of `cone_echo`.
+
+    Parameters
+    ----------
+    dx, dy, leg_m, face : ndarray
+        Of the rays of the fan: direction, leg and the face met.
+    mirrored : ndarray
+        A row for each mirrored ray.
+    """
+
+    dx: NDArray[np.float64]
+    dy: NDArray[np.float64]
+    leg_m: NDArray[np.float64]
+    face: NDArray[np.int64]
+    mirrored: NDArray[np.float64]
 
 
 @njit(cache=True)
 def cone_memory(rays):
-    """Return working memory of `hear_cone` for so many rays.
-
-    Of the fan: directions, legs and faces. Of the mirrored rays: a row each.
-    """
+    """Return working memory of `cone_echo` for so many rays."""
     whole = -(-rays // _WHOLE) * _WHOLE
-    return (
+    return ConeMemory(
         np.zeros(whole),
         np.zeros(whole),
         np.empty(whole),
@@ -40,11 +81,8 @@ def cone_memory(rays):
 
 
 @njit(cache=True, error_model="numpy")
-def hear_cone(
-    table, room, near, x, y, axis_rad, cos_bearing, sin_bearing, far_m, max_bounces,
-    critical_cos, reflectivity, threshold, memory,
-):  # fmt: skip
-    """Return what one transducer hears.
+def cone_echo(table, room, near, sensor, ring, limits, surfaces, memory):
+    """Return the echo that one transducer detects.
 
     Parameters
     ----------
@@ -52,20 +90,17 @@ def hear_cone(
         The faces.
     near : ndarray of int
         Numbers of those that its rays may meet, see `sim.envs.backends.compiled.fan.faces_near`.
-    x, y, axis_rad : float
-        Place of the transducer and its axis.
-    cos_bearing, sin_bearing : ndarray, shape (rays,)
-        Bearings of the rays off the axis, rising; the axis is in the middle.
-    far_m, max_bounces, threshold
-        See `sim.ConeSonar`.
-    critical_cos, reflectivity : ndarray, shape (surfaces,)
-        What the surfaces do to sound, see `sim.sonar.cone.kernel.meet_surfaces`.
-    memory
+    sensor : tuple of float
+        Place (x, y) of the transducer and its axis.
+    ring : RingGeometry
+    limits : ConeLimits
+    surfaces : sim.sonar.cone.kernel.Surfaces
+    memory : ConeMemory
         From `cone_memory`.
 
     Returns
     -------
-    heard_m : float
+    echo_m : float
         Range of the first return, inf for none.
     surface, bounces : int
     incidence_cos : float
@@ -73,13 +108,15 @@ def hear_cone(
     axis_range_m, cone_range_m : float
         True ranges on the axis and of the nearest surface in the cone.
     """
-    segments, normals, circles, surfaces, _, grid, shape, cell_start, cell_face = table
+    segments, normals, circles, surface_of, _, grid, shape, cell_start, cell_face = table
     fan_dx, fan_dy, fan_leg_m, fan_face, rays = memory
+    x, y, axis_rad = sensor
+    far_m, max_bounces = limits.far_m, limits.max_bounces
     best_m, best_surface, best_cos, best_bounces = far_m, -1, math.nan, 0
-    under_way = cos_bearing.size
+    under_way = ring.cos_bearing.size
     cos_axis, sin_axis = math.cos(axis_rad), math.sin(axis_rad)
     for i in range(under_way):
-        fan_dx[i], fan_dy[i] = turned(cos_axis, sin_axis, cos_bearing[i], sin_bearing[i])
+        fan_dx[i], fan_dy[i] = turned(cos_axis, sin_axis, ring.cos_bearing[i], ring.sin_bearing[i])
     meet_fan(table, near, x, y, fan_dx, fan_dy, under_way, far_m, fan_leg_m, fan_face)
     axis_range_m, cone_range_m = fan_leg_m[under_way // 2], math.inf
     for i in range(under_way):
@@ -90,33 +127,33 @@ def hear_cone(
         for i in range(under_way):
             if bounce == 0:
                 from_x, from_y, dx, dy = x, y, fan_dx[i], fan_dy[i]
-                way_m, strength = 0.0, 1.0
+                path_m, strength = 0.0, 1.0
                 leg_m, face = fan_leg_m[i], fan_face[i]
             else:
                 from_x, from_y, dx, dy = rays[i, _X], rays[i, _Y], rays[i, _DX], rays[i, _DY]
-                way_m, strength = rays[i, _WAY], rays[i, _STRENGTH]
-                if way_m > best_m:
+                path_m, strength = rays[i, _PATH], rays[i, _STRENGTH]
+                if path_m > best_m:
                     continue
                 leg_m, face = first_hit(
                     segments, circles, grid, shape, cell_start, cell_face,
-                    room, from_x, from_y, dx, dy, best_m - way_m,
+                    room, from_x, from_y, dx, dy, best_m - path_m,
                 )  # fmt: skip
-            way_m += leg_m
+            path_m += leg_m
             # What is farther than the first return so far says nothing more.
-            if face < 0 or way_m > best_m:
+            if face < 0 or path_m > best_m:
                 continue
-            surface = surfaces[face]
-            strength *= reflectivity[surface]
-            if strength < threshold:
+            surface = surface_of[face]
+            strength *= surfaces.reflectivity[surface]
+            if strength < limits.threshold:
                 continue
             nx, ny = face_normal(
                 normals, circles, face, from_x + leg_m * dx, from_y + leg_m * dy, dx, dy
             )
             cos = -(dx * nx + dy * ny)
-            if cos >= critical_cos[surface]:
+            if cos >= surfaces.critical_cos[surface]:
                 # An echo from exactly the maximum range is one.
-                if way_m < best_m or (best_surface < 0 and way_m == best_m):
-                    best_m, best_surface = way_m, surface
+                if path_m < best_m or (best_surface < 0 and path_m == best_m):
+                    best_m, best_surface = path_m, surface
                     best_cos, best_bounces = cos, bounce
             elif bounce < max_bounces:
                 # The rays that go on take the place of those that are done.
@@ -125,16 +162,16 @@ def hear_cone(
                 rays[mirrored, _Y] = from_y + (leg_m * dy + OFF_SURFACE_M * ny)
                 rays[mirrored, _DX] = dx - 2 * along * nx
                 rays[mirrored, _DY] = dy - 2 * along * ny
-                rays[mirrored, _WAY], rays[mirrored, _STRENGTH] = way_m, strength
+                rays[mirrored, _PATH], rays[mirrored, _STRENGTH] = path_m, strength
                 mirrored += 1
         under_way = 0
         for i in range(mirrored):
-            if rays[i, _WAY] + OFF_SURFACE_M < best_m:
+            if rays[i, _PATH] + OFF_SURFACE_M < best_m:
                 for column in range(_COLUMNS):
                     rays[under_way, column] = rays[i, column]
                 under_way += 1
         if under_way == 0:
             break
 
-    heard_m = best_m if best_surface >= 0 else math.inf
-    return heard_m, best_surface, best_bounces, best_cos, axis_range_m, cone_range_m
+    echo_m = best_m if best_surface >= 0 else math.inf
+    return echo_m, best_surface, best_bounces, best_cos, axis_range_m, cone_range_m

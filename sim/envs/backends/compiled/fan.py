@@ -13,6 +13,7 @@ import math
 import numpy as np
 from numba import njit
 
+from sonarmap.kernels.cells import cell_index
 from worlds.raycast import NEAREST, OVERHANG
 
 __all__ = ["faces_near", "meet_fan"]
@@ -31,11 +32,11 @@ def faces_near(table, room, x, y, reach_m):
     first_circle, after_circles = span[room, 2], span[room, 3]
     segments, circles = after_segments - first_segment, after_circles - first_circle
     is_near = np.zeros(segments + circles, np.bool_)
-    first_col = max(math.floor((x - reach_m - left) / cell), 0)
-    last_col = min(math.floor((x + reach_m - left) / cell), cols - 1)
+    first_col = max(cell_index(x - reach_m, left, cell), 0)
+    last_col = min(cell_index(x + reach_m, left, cell), cols - 1)
     for row in range(
-        max(math.floor((y - reach_m - bottom) / cell), 0),
-        min(math.floor((y + reach_m - bottom) / cell), rows - 1) + 1,
+        max(cell_index(y - reach_m, bottom, cell), 0),
+        min(cell_index(y + reach_m, bottom, cell), rows - 1) + 1,
     ):
         # The lists of the cells of a row lie one behind the other.
         at = first_cell + row * cols

@@ -1,4 +1,4 @@
-"""A drive: a robot's motion from one moment that matters to the next, and its odometry."""
+"""A robot's motion from one event to the next, and its odometry."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.engines.protocol import Engine
-from sim.robot import amigobot
+from sim.robot.amigobot import PHYSICS_DT_S
+from sim.robot.clock import physics_steps
 from sim.robot.odometry import Odometer
-from sim.sonar.firing import Firing
-from sonarmap import InputError, SonarRing
+from sonarmap import SonarRing
 from worlds import Pose
 
-__all__ = ["Drive", "check_firing", "check_steps", "physics_steps", "transducers"]
+__all__ = ["Motion", "transducers"]
 
 
-class Drive:
-    """The motion of a robot, told by the moments at which something happens.
+class Motion:
+    """The motion of a robot, driven from event to event: firings, packets, ends of control steps.
 
     Parameters
     ----------
@@ -50,11 +50,11 @@ class Drive:
         return self._odometer.pose
 
     def until(self, time_s: float) -> None:
-        """Drive on to a moment."""
+        """Drive on to a time."""
         steps = physics_steps(time_s) - physics_steps(self.time_s)
         self.time_s = time_s
         if steps > 0:
-            duration_s = steps * amigobot.PHYSICS_DT_S
+            duration_s = steps * PHYSICS_DT_S
             touched = self._robot.advance(*self.speeds_mps, duration_s)
             self._touched = self._touched or touched
             self._odometer.update(self._robot.wheel_turns_rad)
@@ -69,24 +69,3 @@ def transducers(ring: SonarRing, pose: Pose) -> tuple[NDArray[np.float64], NDArr
     """Return the places (k, 2) and the axes (k,) of a ring's sonars at a pose."""
     places = ring.sensor_xy_m(slice(None), pose.x_m, pose.y_m, pose.heading_rad)
     return places, pose.heading_rad + ring.heading_rad
-
-
-def check_firing(firing: Firing, sonars: int) -> None:
-    """Raise `InputError` if a ring of so many sonars cannot fire between steps of the physics."""
-    firing.check(sonars)
-    offsets = {slot.offset_s for scan in (0, 1) for slot in firing.slots(scan, sonars)}
-    check_steps("scan_period_s", firing.period_s)
-    for offset_s in sorted(offsets - {0.0}):
-        check_steps("the time between firings", offset_s)
-
-
-def physics_steps(time_s: float) -> int:
-    """Return how many steps of the physics a time is, rounded."""
-    return round(time_s / amigobot.PHYSICS_DT_S)
-
-
-def check_steps(name: str, time_s: float) -> None:
-    """Raise `InputError` if a time is not a whole number of steps of the physics, at least one."""
-    steps = time_s / amigobot.PHYSICS_DT_S
-    if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
-        raise InputError(f"{name} must be a multiple of {amigobot.PHYSICS_DT_S} s, got {time_s!r}")

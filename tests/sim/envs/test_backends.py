@@ -7,8 +7,9 @@ import pytest
 
 import worlds
 from sim import ConeSonar, OdometryModel
-from sim.envs.backends.compiled.backend import BatchPhysics, is_simple
-from sim.envs.backends.engine import EnginePhysics, Setting
+from sim.envs.backends.compiled.backend import CompiledBackend
+from sim.envs.backends.engine import EngineBackend
+from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.facts import facts_of
 from sim.sonar import presets as sonars
 from worlds import MATERIALS, Pose
@@ -18,12 +19,12 @@ CONTROL_S = 0.1
 ROUNDED = {"time_s": 1e-12, "fired_s": 1e-12, "wheel_mps": 1e-12}
 
 
-def setting(sonar, room="office", seed=0, **changes):
+def setup(sonar, room="office", seed=0, **changes):
     known = worlds.load(room)
     noise_rng, slip_rng = np.random.default_rng(seed).spawn(2)
     start = facts_of(known, 0.1).random_start(np.random.default_rng(seed))
     wanted = {"world": known, "start": start, "sonar": sonar, "odometry": OdometryModel()}
-    return Setting(**wanted | changes, noise_rng=noise_rng, slip_rng=slip_rng)
+    return EpisodeSetup(**wanted | changes, noise_rng=noise_rng, slip_rng=slip_rng)
 
 
 def assert_same(one, other, tolerances=ROUNDED):
@@ -43,11 +44,11 @@ def speeds(rng, robots):
 def test_a_batch_is_its_robots_one_by_one(name, rng):
     sonar = sonars.preset(name)
     rooms = ("office", "clutter", "round-room")
-    batch = BatchPhysics(sonar, len(rooms), CONTROL_S)
-    alone = EnginePhysics("segments", len(rooms), len(sonar.ring), CONTROL_S)
+    batch = CompiledBackend(sonar, len(rooms), CONTROL_S)
+    alone = EngineBackend("segments", len(rooms), len(sonar.ring), CONTROL_S)
     for row, room in enumerate(rooms):
-        batch.begin(row, setting(sonar, room, row))
-        alone.begin(row, setting(sonar, room, row))
+        batch.begin(row, setup(sonar, room, row))
+        alone.begin(row, setup(sonar, room, row))
     rounded = ROUNDED
     if name == "webots":
         # Its own rays are not turned from a fan's, so their ranges round otherwise.
@@ -66,14 +67,14 @@ def test_a_batch_is_its_robots_one_by_one(name, rng):
 
 def test_a_second_episode_begins_as_if_there_had_been_no_first(rng):
     sonar = sonars.preset("aria")
-    used, fresh = (BatchPhysics(sonar, 2, CONTROL_S) for _ in range(2))
+    used, fresh = (CompiledBackend(sonar, 2, CONTROL_S) for _ in range(2))
     for row in (0, 1):
-        used.begin(row, setting(sonar, "office", 7))
+        used.begin(row, setup(sonar, "office", 7))
     for _ in range(80):
         used.advance(speeds(rng, 2), np.ones(2, bool))
-    for physics in (used, fresh):
-        physics.begin(0, setting(sonar, "clutter", 3))
-        physics.begin(1, setting(sonar, "office", 4))
+    for backend in (used, fresh):
+        backend.begin(0, setup(sonar, "clutter", 3))
+        backend.begin(1, setup(sonar, "office", 4))
     for _ in range(80):
         wanted = speeds(rng, 2)
         used.advance(wanted, np.ones(2, bool))
@@ -86,31 +87,31 @@ def test_materials_noise_and_air_are_those_of_the_episode(rng):
     known = worlds.load("clutter")
     soft = known.with_materials([MATERIALS["foam"]] * len(known.solids))
     loud = sonar.replace(noise_std_m=0.05, range_scale=1.02, threshold=0.1)
-    physics = BatchPhysics(sonar, 3, CONTROL_S)
-    alone = EnginePhysics("segments", 3, len(sonar.ring), CONTROL_S)
+    backend = CompiledBackend(sonar, 3, CONTROL_S)
+    alone = EngineBackend("segments", 3, len(sonar.ring), CONTROL_S)
     wanted = [(sonar, known), (sonar, soft), (loud, known)]
-    for row, (told, room) in enumerate(wanted):
-        for each in (physics, alone):
-            each.begin(row, setting(told, "clutter", 5, world=room))
+    for row, (changed, room) in enumerate(wanted):
+        for each in (backend, alone):
+            each.begin(row, setup(changed, "clutter", 5, world=room))
     for _ in range(30):
         actions = speeds(rng, 3)
-        for each in (physics, alone):
+        for each in (backend, alone):
             each.advance(actions, np.ones(3, bool))
-        assert_same(physics.states, alone.states)
-    plain, foam, noisy = physics.states["range_m"]
+        assert_same(backend.states, alone.states)
+    plain, foam, noisy = backend.states["range_m"]
     assert np.isinf(foam).sum() > np.isinf(plain).sum()
     assert not np.array_equal(plain, noisy)
 
 
 def test_readings_come_at_the_firings_of_the_sonar_not_of_the_control(rng):
     # The thesis's sonars are read every 175 ms, the control step is 100 ms.
-    physics = BatchPhysics(sonars.preset("thesis"), 1, CONTROL_S)
-    physics.begin(0, setting(sonars.preset("thesis")))
+    backend = CompiledBackend(sonars.preset("thesis"), 1, CONTROL_S)
+    backend.begin(0, setup(sonars.preset("thesis")))
     fired, fresh = [], []
     for _ in range(8):
-        physics.advance(np.full((1, 2), 0.1), np.ones(1, bool))
-        fired.append(physics.states["fired_s"][0, 0])
-        fresh.append(int(physics.states["fresh"][0, 0]))
+        backend.advance(np.full((1, 2), 0.1), np.ones(1, bool))
+        fired.append(backend.states["fired_s"][0, 0])
+        fresh.append(int(backend.states["fresh"][0, 0]))
     assert fired == pytest.approx([0, 0.175, 0.175, 0.35, 0.35, 0.525, 0.7, 0.7])
     assert fresh == [0, 1, 0, 1, 0, 1, 1, 0]
 
@@ -119,13 +120,13 @@ def test_readings_come_at_the_firings_of_the_sonar_not_of_the_control(rng):
 def test_pybullet_and_segments_drive_alike_where_nothing_is_touched():
     sonar = sonars.preset("aria")
     start = Pose(2.5, 3.0, 0.4)
-    told = [setting(sonar, "office", 1, start=start) for _ in range(2)]
-    with_bullet, without = (EnginePhysics(e, 1, 8, CONTROL_S) for e in ("bullet", "segments"))
+    told = [setup(sonar, "office", 1, start=start) for _ in range(2)]
+    with_bullet, without = (EngineBackend(e, 1, 8, CONTROL_S) for e in ("bullet", "segments"))
     with_bullet.begin(0, told[0])
     without.begin(0, told[1])
     for _ in range(30):
-        for physics in (with_bullet, without):
-            physics.advance(np.array([[0.2, 0.25]]), np.ones(1, bool))
+        for backend in (with_bullet, without):
+            backend.advance(np.array([[0.2, 0.25]]), np.ones(1, bool))
     bullet, segments = with_bullet.states[0], without.states[0]
     with_bullet.close()
     with_bullet.close()  # closing twice is fine
@@ -137,18 +138,18 @@ def test_pybullet_and_segments_drive_alike_where_nothing_is_touched():
 
 
 def test_any_sonar_has_physics(rng):
-    physics = EnginePhysics("segments", 1, 8, CONTROL_S)
+    backend = EngineBackend("segments", 1, 8, CONTROL_S)
     sonar = sonars.preset("physical")
-    assert not is_simple(sonar)
-    physics.begin(0, setting(sonar, "clutter", 2))
+    assert sonar.compiled_cone() is None
+    backend.begin(0, setup(sonar, "clutter", 2))
     heard = set()
     for _ in range(10):
-        physics.advance(np.full((1, 2), 0.2), np.ones(1, bool))
-        heard |= set(np.flatnonzero(physics.states["fresh"][0]).tolist())
+        backend.advance(np.full((1, 2), 0.2), np.ones(1, bool))
+        heard |= set(np.flatnonzero(backend.states["fresh"][0]).tolist())
     # One sonar fires every 40 ms: in a second each has fired at least three times.
     assert heard == set(range(8))
-    assert physics.states["fired_s"][0].min() >= 1.0 - 0.32
-    fired = physics.states["fired_true_pose"][0]
+    assert backend.states["fired_s"][0].min() >= 1.0 - 0.32
+    fired = backend.states["fired_true_pose"][0]
     assert len({tuple(pose) for pose in fired}) == 8
 
 
@@ -159,9 +160,9 @@ def test_colder_air_reads_farther():
     warm = ConeSonar("warm", sonars.preset("aria").ring, 0.1, **quiet)
     ranges = []
     for sonar in (cold, warm):
-        physics = BatchPhysics(sonar, 1, CONTROL_S)
-        physics.begin(0, setting(sonar, "thesis-exp1", 0, world=wall))
-        ranges.append(physics.states["range_m"][0].copy())
+        backend = CompiledBackend(sonar, 1, CONTROL_S)
+        backend.begin(0, setup(sonar, "thesis-exp1", 0, world=wall))
+        ranges.append(backend.states["range_m"][0].copy())
     echo = np.isfinite(ranges[1])
     assert echo.any()
     assert ranges[0][echo] == pytest.approx(1.01 * ranges[1][echo], abs=1e-4)
