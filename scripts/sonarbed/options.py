@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +17,6 @@ __all__ = [
     "Png",
     "Setting",
     "check_writable",
-    "listed",
     "load_world",
     "make_part",
 ]
@@ -33,12 +31,6 @@ Param = Annotated[
     list[str] | None,
     typer.Option("--param", metavar="NAME=VALUE", help="A parameter of it; repeatable."),
 ]
-
-
-def listed(names: Iterable[str]) -> str:
-    """Return names as a help text lists them: "one, two or three"."""
-    *first, last = names
-    return f"{', '.join(first)} or {last}" if first else last
 
 
 def make_part(kind: str, name: str, settings: list[str] | None, **short: Any) -> Any:

@@ -10,13 +10,13 @@ from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.engines.protocol import ClosedByWith
 from sim.robot import amigobot
 from sim.robot.kinematics import limited_speeds
 from sonarmap.errors import InputError
+from sonarmap.kernels.jit import njit
 from worlds import Pose, RayHits, Solid, World
 
 __all__ = ["Bullet"]
@@ -232,7 +232,7 @@ def _extruded(solid: Solid) -> tuple[list[tuple[float, float, float]], list[int]
     return vertices, triangles
 
 
-@njit(cache=True)
+@njit()
 def _ends(origins_xy_m, directions_xy, range_max_m):  # type: ignore[no-untyped-def]
     """Return where rays begin and end, at sonar height, shapes (n, 3)."""
     n = range_max_m.size
@@ -245,7 +245,7 @@ def _ends(origins_xy_m, directions_xy, range_max_m):  # type: ignore[no-untyped-
     return begin, end
 
 
-@njit(cache=True)
+@njit()
 def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surface_of, circles):  # type: ignore[no-untyped-def]
     """Return (distance, normal, surface) of what PyBullet says that rays have met.
 

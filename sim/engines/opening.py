@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Protocol
 
+from sim import catalogue
 from sim.engines.protocol import Engine
 from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap.errors import InputError
@@ -28,11 +29,7 @@ class EngineMaker(Protocol):
 
 
 # The physics engine is imported when it is asked for.
-ENGINES = Registry[EngineMaker](
-    "engine",
-    "sonarbed.engines",
-    {"bullet": "sim.engines.bullet:Bullet", "segments": "sim.engines.segments:Segments"},
-)
+ENGINES = Registry[EngineMaker]("engine", "sonarbed.engines", catalogue.ENGINES)
 
 
 def open_engine(name: str, world: World, *, start: Pose | None = None, gui: bool = False) -> Engine:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from sim.robot.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
+from sonarmap.kernels.jit import njit
 
 __all__ = ["record_step", "sense"]
 
 
-@njit(cache=True)
+@njit()
 def sense(states, last_shares, range_max_m, ranges, validity, speed, last_action):
     """Write what robots sense into new arrays.
 
@@ -39,7 +38,7 @@ def sense(states, last_shares, range_max_m, ranges, validity, speed, last_action
         last_action[i, 0], last_action[i, 1] = last_shares[i, 0], last_shares[i, 1]
 
 
-@njit(cache=True)
+@njit()
 def record_step(states, moves, shares, wanted_mps, dt_s, last_shares, touching_s, effort):
     """Record what a control step did to robots.
 

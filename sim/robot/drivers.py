@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sim import catalogue
 from sim.robot import amigobot
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import finite, positive
@@ -270,18 +271,7 @@ def route(world: World) -> Waypoints:
     return Waypoints(world.route_m)
 
 
-DRIVERS = Registry[Driver | Callable[..., Driver]](
-    "driver",
-    "sonarbed.drivers",
-    {
-        "thesis": "sim.robot.drivers:ConstantSpeeds",
-        "straight": "sim.robot.drivers:STRAIGHT",
-        "route": "sim.robot.drivers:route",
-        "follow-left": "sim.robot.drivers:WallFollower",
-        "follow-right": "sim.robot.drivers:FOLLOW_RIGHT",
-        "wander": "sim.robot.drivers:RandomWander",
-    },
-)
+DRIVERS = Registry[Driver | Callable[..., Driver]]("driver", "sonarbed.drivers", catalogue.DRIVERS)
 """A driver, the class of one that is made without arguments, or a function from a world to one."""
 
 

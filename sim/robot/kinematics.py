@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from sim.robot.amigobot import (
     ACCELERATION_MPS2,
     BODY_RADIUS_M,
@@ -16,6 +14,7 @@ from sim.robot.amigobot import (
     TURN_MAX_RADPS,
     WHEEL_RADIUS_M,
 )
+from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 from worlds.raycast import clearance
 
@@ -26,7 +25,7 @@ __all__ = ["advance_along_arc", "drive", "limited_speeds"]
 _PUSHES = 3
 
 
-@njit(cache=True)
+@njit()
 def limited_speeds(
     now_mps: tuple[float, float], wanted_mps: tuple[float, float], dt_s: float
 ) -> tuple[float, float]:
@@ -58,14 +57,14 @@ def limited_speeds(
     )
 
 
-@njit(cache=True)
+@njit()
 def _approach(now: float, wanted: float, dt_s: float) -> float:
     slows_down = abs(wanted) < abs(now) or now * wanted < 0
     most = (DECELERATION_MPS2 if slows_down else ACCELERATION_MPS2) * dt_s
     return now + math.copysign(min(abs(wanted - now), most), wanted - now)
 
 
-@njit(cache=True)
+@njit()
 def advance_along_arc(x, y, heading, left_m, right_m, track_m):
     """Return the pose (x, y, heading) after the wheels have rolled along an arc."""
     forward_m, turn = (left_m + right_m) / 2, (right_m - left_m) / track_m
@@ -79,7 +78,7 @@ def advance_along_arc(x, y, heading, left_m, right_m, track_m):
     )
 
 
-@njit(cache=True)
+@njit()
 def drive(table: FaceTable, room, pose, speeds_mps, turns_rad, left_mps, right_mps, steps):
     """Drive for some steps of the physics; return whether the robot touched something.
 

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.robot.amigobot import ENCODER_TICKS_PER_TURN, TRACK_M, WHEEL_RADIUS_M
 from sim.robot.kinematics import advance_along_arc
 from sonarmap.errors import InputError, non_negative
+from sonarmap.kernels.jit import njit
 from worlds import Pose
 
 __all__ = ["Odometer", "OdometryModel", "drawn_errors", "reckon"]
@@ -97,7 +97,7 @@ def drawn_errors(model: OdometryModel, rng: np.random.Generator) -> NDArray[np.f
     )
 
 
-@njit(cache=True)
+@njit()
 def reckon(errors, pose, ticks, left_rad, right_rad, left_slip, right_slip):  # type: ignore[no-untyped-def]
     """Move the believed pose on by what the encoders report; changes `pose` and `ticks`.
 

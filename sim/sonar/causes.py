@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sonarmap import Cause
+from sonarmap.kernels.jit import njit
 
 __all__ = ["SAME_POINT_M", "cause_of"]
 
@@ -29,7 +29,7 @@ _DIRECT, _OFF_AXIS, _OUT_OF_RANGE, _BOUNCE, _DROPOUT = (
 )
 
 
-@njit(cache=True)  # a scan has a few readings: numpy's own calls would cost more than they do
+@njit()  # a scan has a few readings: numpy's own calls would cost more than they do
 def cause_of(
     echo_m: NDArray[np.float64],
     bounces: NDArray[np.int16],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from sim.catalogue import SONAR_PRESETS
 from sim.sonar.cone.sonar import ConeSonar
 from sim.sonar.cone.webots import WebotsSonar
 from sim.sonar.physical.sonar import PhysicalSonar
@@ -34,16 +35,7 @@ class _Presets(Registry[Sonar]):
         return _sonar(name, super().find(name))
 
 
-PRESETS = _Presets(
-    "sonar",
-    "sonarbed.sonar_presets",
-    {
-        "thesis": "sim.sonar.presets:THESIS",
-        "aria": "sim.sonar.presets:ARIA",
-        "webots": "sim.sonar.presets:WEBOTS",
-        "physical": "sim.sonar.presets:PHYSICAL",
-    },
-)
+PRESETS = _Presets("sonar", "sonarbed.sonar_presets", SONAR_PRESETS)
 
 
 def preset(name: str) -> Sonar:

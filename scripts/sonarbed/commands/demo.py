@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from sonarbed.choices import listed, simulator
+
 __all__ = ["demo"]
 
 
@@ -15,7 +17,7 @@ def demo(
     world: Annotated[str, typer.Option(help="The room to drive in, or its file.")] = "thesis-exp1",
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
-    sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "thesis",
+    sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "thesis",
 ) -> None:
     """Drive in a room, run HSR, map with both sensor models, score and picture the maps.
 

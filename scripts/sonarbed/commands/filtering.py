@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from sonarbed.options import Json, Param, check_writable, listed, make_part
+from sonarbed.choices import listed
+from sonarbed.options import Json, Param, check_writable, make_part
 from sonarmap.catalogue import FILTERS
 
 if TYPE_CHECKING:

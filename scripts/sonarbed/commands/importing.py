@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from sonarbed.options import Json, check_writable, listed
+from sonarbed.choices import listed
+from sonarbed.options import Json, check_writable
 from sonarmap.catalogue import IMPORTERS, RINGS
 
 __all__ = ["import_"]

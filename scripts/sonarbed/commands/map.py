@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from sonarbed.options import Json, Param, Png, check_writable, listed, make_part
+from sonarbed.choices import listed
+from sonarbed.options import Json, Param, Png, check_writable, make_part
 from sonarmap.catalogue import FILTERS, METHODS
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from sonarbed.choices import listed, simulator
 from sonarbed.options import Json, Setting, check_writable
 
 if TYPE_CHECKING:
@@ -29,9 +30,9 @@ def simulate(
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     driver: Annotated[
         str,
-        typer.Option(help="thesis, straight, route, follow-left, follow-right or wander."),
+        typer.Option(help=f"{listed(simulator('drivers'))}."),
     ] = "thesis",
-    sonar: Annotated[str, typer.Option(help="thesis, aria, webots or physical.")] = "physical",
+    sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "physical",
     packets: Annotated[
         bool,
         typer.Option(
@@ -39,13 +40,15 @@ def simulate(
             help="Log the robot's status packets, every 100 ms, with old values repeated.",
         ),
     ] = False,
-    engine: Annotated[str, typer.Option(help="bullet or segments.")] = "bullet",
+    engine: Annotated[str, typer.Option(help=f"{listed(simulator('engines'))}.")] = "bullet",
     jobs: Annotated[int, typer.Option(help="Processes, for several seeds.")] = 1,
     setting: Setting = None,
     gui: Annotated[bool, typer.Option("--gui", help="Show the engine's window.")] = False,
     as_json: Json = False,
 ) -> None:
     r"""Drive the simulated AmigoBot through a room and write its log with the truth.
+
+    A driver, a sonar or an engine may be your own, as package.module:Name.
 
     Examples, one drive and twenty:
 

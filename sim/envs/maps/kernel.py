@@ -6,11 +6,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from numpy.typing import NDArray
 
 from sonarmap.kernels.cells import cell_index
 from sonarmap.kernels.fusion import cone_evidence
+from sonarmap.kernels.jit import njit
 from sonarmap.occupancy import FREE_UP_TO
 from sonarmap.scores.maps import CLAMP
 
@@ -99,20 +100,20 @@ class Readings(NamedTuple):
     edge: NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def _map_of(maps, robot):
     log_odds, kind, gains, shapes, grids = maps
     return Maps(log_odds[robot], kind[robot], gains[robot], shapes[robot], grids[robot])
 
 
-@njit(cache=True)
+@njit()
 def _bits(log_odds):
     place = (min(max(log_odds, -_LIMIT), _LIMIT) + _LIMIT) * (_STEPS / (2 * _LIMIT))
     low = min(int(place), _STEPS - 1)
     return _BITS[low] + (place - low) * (_BITS[low + 1] - _BITS[low])
 
 
-@njit(cache=True)
+@njit()
 def _add_reading(own, sensor, cones, readings, i, cells, runs):
     """Add reading `i`, taken at a sensor (x, y, axis), to one robot's map; see `add_fresh`."""
     log_odds, kind, gains, shape, grid = own
@@ -145,7 +146,7 @@ def _add_reading(own, sensor, cones, readings, i, cells, runs):
     gains[2] += freed
 
 
-@njit(cache=True)
+@njit()
 def fresh_echoes(states, limit_m):
     """Return the ranges of what was read in the last control step, and which of them is whose.
 
@@ -175,7 +176,7 @@ def fresh_echoes(states, limit_m):
     return range_m[:count], number
 
 
-@njit(cache=True)
+@njit()
 def add_fresh(states, rows, maps, cones, readings, cells, runs):
     """Add the readings of the last control step to the maps of robots.
 
@@ -209,7 +210,7 @@ def add_fresh(states, rows, maps, cones, readings, cells, runs):
             _add_reading(own, sensor, cones, readings, i, cells, runs)
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def add_fresh_together(states, rows, maps, cones, readings, cells, runs):
     """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
     jobs = runs.shape[0]
@@ -220,7 +221,7 @@ def add_fresh_together(states, rows, maps, cones, readings, cells, runs):
         add_fresh(states, rows[begin:end], maps, cones, readings, own, runs[job])
 
 
-@njit(cache=True)
+@njit()
 def _see_patch(patch, pose, own, cell_m):
     """Write the map around one robot; see `see_patches`."""
     log_odds, _, _, shape, grid = own
@@ -239,7 +240,7 @@ def _see_patch(patch, pose, own, cell_m):
             patch[i, j] = int(255.0 / (1.0 + math.exp(-known)) + 0.5) if known != 0.0 else 128
 
 
-@njit(cache=True)
+@njit()
 def see_patches(patches, states, maps, cell_m):
     """Write the maps around the robots as they see them.
 
@@ -258,7 +259,7 @@ def see_patches(patches, states, maps, cell_m):
         _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def see_patches_together(patches, states, maps, cell_m):
     """Do as `see_patches` on all cores."""
     maps = Maps(*maps)

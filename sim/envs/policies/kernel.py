@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from sonarmap.kernels.jit import njit
 
 __all__ = ["step_towards"]
 
 _DIAGONAL = math.sqrt(2)
 
 
-@njit(cache=True)
+@njit()
 def _next_cell(length, row, col):
     """Return the neighbour over which a goal is nearest."""
     best, best_row, best_col = np.inf, row, col
@@ -26,7 +27,7 @@ def _next_cell(length, row, col):
     return best_row, best_col
 
 
-@njit(cache=True)
+@njit()
 def _relax(length, cost):
     """Sweep up and down until no path becomes shorter: the lengths are then the shortest."""
     rows, cols = length.shape
@@ -50,7 +51,7 @@ def _relax(length, cost):
                         changed = True
 
 
-@njit(cache=True)
+@njit()
 def step_towards(goals, cost, row, col, steps):
     """Return the cell that is some steps down the shortest path to the nearest goal.
 

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.envs.rooms import Rooms
 from sim.envs.tasks.task import Evaluation, StepOutcome, Task, TaskSetup
 from sim.robot.amigobot import SPEED_MAX_MPS
+from sonarmap.kernels.jit import njit
 from worlds.raycast import first_hit
 
 __all__ = ["FollowWall", "FollowWallWeights", "closeness", "follow_terms"]
@@ -118,7 +118,7 @@ def follow_terms(
     }
 
 
-@njit(cache=True)
+@njit()
 def _wall_beside(table, rooms, poses):  # type: ignore[no-untyped-def]
     """Return how far the nearest face on the left of each robot is, inf beyond `_FARTHEST_M`."""
     segments, _, circles, _, _, grid, shape, cell_start, cell_face = table

@@ -9,13 +9,13 @@ from typing import ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.envs.tasks.task import Evaluation, StepOutcome, Task, TaskSetup
 from sim.robot.amigobot import BODY_RADIUS_M
 from sonarmap import InputError
 from sonarmap.kernels.cells import cell_index
+from sonarmap.kernels.jit import njit
 
 __all__ = ["Navigate", "NavigateWeights", "navigate_terms"]
 
@@ -163,7 +163,7 @@ def navigate_terms(
     }
 
 
-@njit(cache=True)
+@njit()
 def _observe_goals(states, goal_m, goal):  # type: ignore[no-untyped-def]
     """Write where the goals are as the robots believe, see the environment's docstring."""
     for i in range(states.size):
@@ -174,7 +174,7 @@ def _observe_goals(states, goal_m, goal):  # type: ignore[no-untyped-def]
         goal[i, 1], goal[i, 2] = math.cos(bearing), math.sin(bearing)
 
 
-@njit(cache=True)
+@njit()
 def _measure_progress(states, goal_m, distance_m, grid, arrived_m, left_m, progress_m, arrived):  # type: ignore[no-untyped-def]
     """Write how much shorter the drives have become and who is there; change what is left.
 

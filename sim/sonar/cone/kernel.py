@@ -6,8 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sonarmap.kernels.jit import njit
 
 __all__ = [
     "OFF_SURFACE_M",
@@ -80,13 +81,13 @@ class FirstReturns(NamedTuple):
     bounces: NDArray[np.int16]
 
 
-@njit(cache=True)
+@njit()
 def turned(cos, sin, cos_bearing, sin_bearing):
     """Return the direction (x, y) at a bearing off an axis, both given as cosine and sine."""
     return cos * cos_bearing - sin * sin_bearing, sin * cos_bearing + cos * sin_bearing
 
 
-@njit(cache=True)
+@njit()
 def open_fans(sensor_xy_m, axis_rad, bearing_rad):
     """Return the rays of k fans, as `meet_surfaces` takes them.
 
@@ -117,7 +118,7 @@ def open_fans(sensor_xy_m, axis_rad, bearing_rad):
     return fan, origin, direction, np.zeros(n), np.ones(n)
 
 
-@njit(cache=True)
+@njit()
 def meet_surfaces(rays, leg_m, normal, surface, surfaces, threshold, bounce, first):
     """Let rays return to their fan or mirror them on; return those still under way.
 
@@ -184,7 +185,7 @@ def meet_surfaces(rays, leg_m, normal, surface, surfaces, threshold, bounce, fir
     return fan[on], origin[on], direction[on], travelled_m[on], strength[on]
 
 
-@njit(cache=True)
+@njit()
 def measured(echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m):
     """Return what a sonar reads of an echo at a range.
 
@@ -212,7 +213,7 @@ def measured(echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, 
     return -math.inf if reading < near_m else reading
 
 
-@njit(cache=True)
+@njit()
 def all_measured(echo_m, surface, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m):
     """Return what k sonars read of echoes at ranges, +inf for none; see `measured`.
 

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.sonar.causes import cause_of
@@ -14,6 +13,7 @@ from sim.sonar.cone.kernel import measured
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.levels import tvg_db
 from sonarmap import Cause, LogTruth
+from sonarmap.kernels.jit import njit
 
 __all__ = ["Detections", "detect", "readings"]
 
@@ -32,7 +32,7 @@ class Detections(NamedTuple):
     level_db: NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def detect(fired, sounds, acoustics):
     """Return (what firings detected, the sounds that later ones may still detect).
 
@@ -83,7 +83,7 @@ def detect(fired, sounds, acoustics):
     return detections, sounds[fresh]
 
 
-@njit(cache=True)
+@njit()
 def _first_crossing(firing, sounds, acoustics):
     """Return (sound detected first or -1, time since the firing, level over the threshold)."""
     first, time_s, over_db = -1, math.inf, math.nan
@@ -110,7 +110,7 @@ def _first_crossing(firing, sounds, acoustics):
     return first, time_s, over_db
 
 
-@njit(cache=True)
+@njit()
 def readings(detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
     """Return what the sonars read of what they detected.
 

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
@@ -18,6 +17,7 @@ from sim.sonar.physical.levels import (
     tvg_db,
 )
 from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to
+from sonarmap.kernels.jit import njit
 
 __all__ = ["Found", "confirmed", "find_sounds"]
 
@@ -37,7 +37,7 @@ class Found(NamedTuple):
     counts: NDArray[np.int64]
 
 
-@njit(cache=True)
+@njit()
 def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
     """Return (sounds, checks): the sounds of the traced faces that may be detected.
 
@@ -91,7 +91,7 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
     return sounds, found.checks[: found.counts[1]]
 
 
-@njit(cache=True)
+@njit()
 def confirmed(sounds, checks, leg_m):
     """Return the sounds all of whose checks met something where they must.
 
@@ -109,7 +109,7 @@ def confirmed(sounds, checks, leg_m):
     return sounds[free]
 
 
-@njit(cache=True)
+@njit()
 def _add(found, tracing, p, listener, path_m, level_db, incidence_rad):
     sound = found.sounds[found.counts[0]]
     sound[t.SOUND_SOURCE], sound[t.SOUND_LISTENER] = tracing.links[p, t.LINK_SONAR], listener
@@ -122,7 +122,7 @@ def _add(found, tracing, p, listener, path_m, level_db, incidence_rad):
     found.counts[0] += 1
 
 
-@njit(cache=True)
+@njit()
 def _check(found, x, y, dx, dy, length_m):
     """Ask for a ray that belongs to the next sound to be added."""
     check = found.checks[found.counts[1]]
@@ -132,7 +132,7 @@ def _check(found, x, y, dx, dy, length_m):
     found.counts[1] += 1
 
 
-@njit(cache=True)
+@njit()
 def _check_unseen(found, tracing, p, theta, path_m):
     """Ask for the rays that go out at a bearing, over the mirrors of a face, so far in all.
 
@@ -162,7 +162,7 @@ def _check_unseen(found, tracing, p, theta, path_m):
     _check(found, x, y, dx, dy, path_m)
 
 
-@njit(cache=True)
+@njit()
 def _foot(face):
     """Return distance and bearing of the foot of the perpendicular on a flat face."""
     nx, ny = face[t.FACE_NX], face[t.FACE_NY]
@@ -170,7 +170,7 @@ def _foot(face):
     return half_m, bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
 
 
-@njit(cache=True)
+@njit()
 def _is_detectable(acoustics, limits, half_m, level_db):
     """Return whether a sonar detects an echo of its own from so far away."""
     return (
@@ -179,7 +179,7 @@ def _is_detectable(acoustics, limits, half_m, level_db):
     )
 
 
-@njit(cache=True)
+@njit()
 def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     """Return the level of what a mirror in the place of a face would send back."""
     loss_db = 2 * tracing.faces[p, t.FACE_LOSS]
@@ -187,7 +187,7 @@ def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     return mirror_echo_db(acoustics, 2 * half_m) + 2 * beam_db(acoustics, theta) + loss_db
 
 
-@njit(cache=True)
+@njit()
 def _add_pillar(found, tracing, p, surfaces, limits, acoustics):
     """Add a pillar's echo: the foot of the perpendicular lies on the line to its centre."""
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
@@ -202,7 +202,7 @@ def _add_pillar(found, tracing, p, surfaces, limits, acoustics):
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
 
 
-@njit(cache=True)
+@njit()
 def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
     """Add the mirror's echo of a flat face: it comes from the foot of the perpendicular."""
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
@@ -217,7 +217,7 @@ def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
 
 
-@njit(cache=True)
+@njit()
 def _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
     """Add what a flat face scatters: the first moment at which some place is loud enough."""
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
@@ -255,7 +255,7 @@ def _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         _add(found, tracing, p, own, path_m, loudness_db, abs(place - foot))
 
 
-@njit(cache=True)
+@njit()
 def _best_between_db(face, half_m, foot, nearest, limits, acoustics):
     """Return a level that no echo from within the limits of a flat face exceeds."""
     near_m = half_m / max(math.cos(nearest - foot), 1e-3)
@@ -267,7 +267,7 @@ def _best_between_db(face, half_m, foot, nearest, limits, acoustics):
     return max(loudest_echo_db(acoustics, 2 * near_m), loudest_echo_db(acoustics, 2 * far_m))
 
 
-@njit(cache=True)
+@njit()
 def _add_bistatic(found, tracing, p, half_m, monostatic, surfaces, limits, acoustics):
     """Add the paths over a flat face that end elsewhere than they began."""
     face, own = tracing.faces[p], tracing.links[p, t.LINK_SONAR]
@@ -298,7 +298,7 @@ def _add_bistatic(found, tracing, p, half_m, monostatic, surfaces, limits, acous
             _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acoustics)
 
 
-@njit(cache=True)
+@njit()
 def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acoustics):
     """Add the path over a face to a sonar that sees its image at an offset.
 
@@ -330,7 +330,7 @@ def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acousti
     _add(found, tracing, p, sonar, path_m, level_db, math.acos(min(1.0, cos)))
 
 
-@njit(cache=True)
+@njit()
 def _add_edge(found, tracing, p, x, y, surfaces, limits, acoustics):
     """Add the echo of an edge, which falls faster than that of a plane."""
     half_m = distance_to(tracing.faces[p], x, y)
@@ -338,7 +338,7 @@ def _add_edge(found, tracing, p, x, y, surfaces, limits, acoustics):
     _add_point(found, tracing, p, x, y, level_db, surfaces, limits, acoustics)
 
 
-@njit(cache=True)
+@njit()
 def _add_point(found, tracing, p, x, y, share_db, surfaces, limits, acoustics):
     """Add the echo of a corner or an edge, of so much level against a mirror.
 

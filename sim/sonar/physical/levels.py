@@ -10,8 +10,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sonarmap.kernels.jit import njit
 
 __all__ = [
     "Acoustics",
@@ -68,13 +69,13 @@ class Acoustics(NamedTuple):
     beyond_db: NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def wrapped(angle):
     """Return an angle within [-pi, pi)."""
     return angle - 2 * math.pi * math.floor(angle / (2 * math.pi) + 0.5)
 
 
-@njit(cache=True)
+@njit()
 def beam_db(acoustics, angle):
     """Return the one-way level at an angle off the axis against the axis."""
     table = acoustics.beam_db
@@ -83,7 +84,7 @@ def beam_db(acoustics, angle):
     return table[low] + (place - low) * (table[low + 1] - table[low])
 
 
-@njit(cache=True)
+@njit()
 def beam_bound_db(acoustics, low, high):
     """Return a level that the beam does not exceed between two angles off the axis."""
     table = acoustics.beyond_db
@@ -91,7 +92,7 @@ def beam_bound_db(acoustics, low, high):
     return table[min(int(nearest / math.pi * (table.size - 1)), table.size - 1)]
 
 
-@njit(cache=True)
+@njit()
 def tvg_db(acoustics, time_s):
     """Return the time-varied gain that the receiver adds `time_s` after its firing."""
     half = max(acoustics.nominal_speed_mps * time_s / 2, 0.01)
@@ -100,7 +101,7 @@ def tvg_db(acoustics, time_s):
     return acoustics.gain_share * (spread + absorbed)
 
 
-@njit(cache=True)
+@njit()
 def mirror_echo_db(acoustics, path_m):
     """Return the level of a perfect mirror's echo on the axis, by the length of its path.
 
@@ -116,7 +117,7 @@ def mirror_echo_db(acoustics, path_m):
     )
 
 
-@njit(cache=True)
+@njit()
 def loudest_echo_db(acoustics, path_m):
     """Return the level, with time-varied gain, of a perfect mirror's echo at any sonar."""
     latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)

@@ -16,11 +16,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.levels import beam_db, loudest_echo_db, wrapped
+from sonarmap.kernels.jit import njit
 
 __all__ = ["Tracing", "TracingLimits", "advance_tracing", "begin_tracing"]
 
@@ -99,7 +99,7 @@ class Tracing(NamedTuple):
     mirrors: int
 
 
-@njit(cache=True)
+@njit()
 def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
     """Return the tracing that asks for the fans of some sonars.
 
@@ -140,7 +140,7 @@ def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
     )
 
 
-@njit(cache=True)
+@njit()
 def _depart(ray, sensor_xy_m, axis_rad, sonar, theta, reach_m):
     """Let a ray leave its transducer."""
     ray[t.RAY_X] = ray[t.RAY_IX] = sensor_xy_m[sonar, 0]
@@ -150,7 +150,7 @@ def _depart(ray, sensor_xy_m, axis_rad, sonar, theta, reach_m):
     ray[t.RAY_REACH], ray[t.RAY_THETA], ray[t.RAY_SIGN] = reach_m, theta, 1.0
 
 
-@njit(cache=True)
+@njit()
 def advance_tracing(tracing, leg_m, normal, surface, surfaces, limits, acoustics):
     """Return the tracing after its rays have been cast.
 
@@ -212,7 +212,7 @@ class _Leg(NamedTuple):
     known: int
 
 
-@njit(cache=True)
+@njit()
 def _set_true_ranges(tracing, leg, limits):
     for i in range(leg.surface.size):
         met_m, theta = leg.leg_m[i], leg.rays[i, t.RAY_THETA]
@@ -225,7 +225,7 @@ def _set_true_ranges(tracing, leg, limits):
             tracing.cone_range_m[sonar] = min(tracing.cone_range_m[sonar], met_m)
 
 
-@njit(cache=True)
+@njit()
 def _are_neighbours(leg, i):
     """Return whether ray `i` and the one before it left one transducer over the same mirrors."""
     a, b = leg.ids[i - 1], leg.ids[i]
@@ -236,7 +236,7 @@ def _are_neighbours(leg, i):
     )
 
 
-@njit(cache=True)
+@njit()
 def _find_faces(leg, surfaces, mirrors):
     """Return (face of each ray, faces, links, first and last ray of each face)."""
     n, rays = leg.surface.size, leg.rays
@@ -280,20 +280,20 @@ def _find_faces(leg, surfaces, mirrors):
     return face, faces[:count], links[:count], ray_of[:count]
 
 
-@njit(cache=True)
+@njit()
 def bearing_to(face, x, y):
     """Return the bearing of departure at which a point is seen over the mirrors of a face."""
     towards = math.atan2(y - face[t.FACE_IY], x - face[t.FACE_IX])
     return face[t.FACE_THETA] + face[t.FACE_SIGN] * wrapped(towards - face[t.FACE_ALONG])
 
 
-@njit(cache=True)
+@njit()
 def distance_to(face, x, y):
     """Return the length of the path from the transducer to a point over the mirrors of a face."""
     return math.hypot(x - face[t.FACE_IX], y - face[t.FACE_IY])
 
 
-@njit(cache=True)
+@njit()
 def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
     """Return corners, edges and ends to look for; set faces' limits where two lines meet.
 
@@ -349,12 +349,12 @@ def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
     return corners[:c], edges[:e], ends[:b]
 
 
-@njit(cache=True)
+@njit()
 def _path_m(leg, i):
     return leg.rays[i, t.RAY_PATH] + leg.leg_m[i]
 
 
-@njit(cache=True)
+@njit()
 def _meeting(one, other, cross):
     """Return the point where the lines of two faces meet."""
     a = one[t.FACE_NX] * one[t.FACE_X] + one[t.FACE_NY] * one[t.FACE_Y]
@@ -365,7 +365,7 @@ def _meeting(one, other, cross):
     )
 
 
-@njit(cache=True)
+@njit()
 def _is_hollow(leg, u, w, one, other, x, y):
     """Return whether each face stands before the other.
 
@@ -379,13 +379,13 @@ def _is_hollow(leg, u, w, one, other, x, y):
     return before > 0
 
 
-@njit(cache=True)
+@njit()
 def are_square(ax, ay, bx, by):
     """Return whether two normals are at a right angle."""
     return abs(ax * bx + ay * by) < _RIGHT_ANGLE
 
 
-@njit(cache=True)
+@njit()
 def _is_end_detectable(leg, near, far, surfaces, acoustics):
     """Return whether an end of a face between two rays may be detected as an edge or scatter."""
     half = _path_m(leg, near)
@@ -400,7 +400,7 @@ def _is_end_detectable(leg, near, far, surfaces, acoustics):
     return level_db + like[t.SURFACE_MIRROR] + returned_db + 6.0 > 0
 
 
-@njit(cache=True)
+@njit()
 def _mirrored(leg, face, surfaces, limits, acoustics):
     """Return (ids, rays) of the rays that a flat face mirrors on and that may matter."""
     n = leg.surface.size
@@ -434,7 +434,7 @@ def _mirrored(leg, face, surfaces, limits, acoustics):
     return ids[:count], rays[:count]
 
 
-@njit(cache=True)
+@njit()
 def _mirror(new, ray, leg_m, nx, ny):
     """Set the leg of a ray after the mirror that it met with this normal."""
     x, y = ray[t.RAY_X] + leg_m * ray[t.RAY_DX], ray[t.RAY_Y] + leg_m * ray[t.RAY_DY]
@@ -451,12 +451,12 @@ def _mirror(new, ray, leg_m, nx, ny):
     new[t.RAY_MX], new[t.RAY_MY] = nx, ny
 
 
-@njit(cache=True)
+@njit()
 def _is_open(end):
     return abs(end[t.END_OUTSIDE] - end[t.END_INSIDE]) > _END_RAD
 
 
-@njit(cache=True)
+@njit()
 def _searching(tracing, ends, links, limits):
     """Return the rays that split the gaps in which faces end."""
     rays = np.zeros((len(ends) * (_SPLIT - 1), t.RAY_COLUMNS))
@@ -474,7 +474,7 @@ def _searching(tracing, ends, links, limits):
     return rays[:count]
 
 
-@njit(cache=True)
+@njit()
 def _narrow_ends(tracing, leg_m, surface, surfaces):
     """Let ends lie between the last ray that still meets the face and the one after it.
 

@@ -10,11 +10,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.envs.backends.compiled.fan import meet_fan
 from sim.sonar.cone.kernel import OFF_SURFACE_M, turned
+from sonarmap.kernels.jit import njit
 from worlds.raycast import face_normal, first_hit
 
 __all__ = ["ConeLimits", "ConeMemory", "RingGeometry", "cone_echo", "cone_memory"]
@@ -67,7 +67,7 @@ class ConeMemory(NamedTuple):
     mirrored: NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def cone_memory(rays):
     """Return working memory of `cone_echo` for so many rays."""
     whole = -(-rays // _WHOLE) * _WHOLE
@@ -80,7 +80,7 @@ def cone_memory(rays):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def cone_echo(table, room, near, sensor, ring, limits, surfaces, memory):
     """Return the echo that one transducer detects.
 

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 from numpy.typing import NDArray
 
 from sim.envs.backends.compiled.cone import (
@@ -26,6 +26,7 @@ from sim.robot.odometry import reckon
 from sim.sonar.causes import cause_of
 from sim.sonar.cone.kernel import Surfaces, measured
 from sonarmap import LogTruth
+from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 
 __all__ = ["Draws", "advance_alone", "advance_together", "body_dtype"]
@@ -94,7 +95,7 @@ class Draws(NamedTuple):
     slip: NDArray[np.float64]
 
 
-@njit(cache=True)
+@njit()
 def _fire(table, state, body, surfaces, ring, noise):
     """Let all sonars of a robot fire and read them, as `sim.ConeSonar.listen` does."""
     mounts, sonars = ring.mounts, ring.mounts.shape[0]
@@ -135,7 +136,7 @@ def _fire(table, state, body, surfaces, ring, noise):
         state.cause[k] = cause[k]
 
 
-@njit(cache=True)
+@njit()
 def _advance(table, state, body, surfaces, ring, draws, wanted_mps, steps):
     """Drive one robot for some steps of the physics and fire when it is due."""
     state.touched = False
@@ -172,7 +173,7 @@ def _advance(table, state, body, surfaces, ring, draws, wanted_mps, steps):
         state.wheel_mps[1] = (body.turns_rad[1] - right_rad) * per_rad
 
 
-@njit(cache=True)
+@njit()
 def advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, row):
     """Advance the robot of one row; see `advance_together`."""
     noise, slip = draws
@@ -188,7 +189,7 @@ def advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, ste
     )
 
 
-@njit(cache=True, parallel=True)
+@njit(parallel=True)
 def advance_together(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
     """Advance robots by one control step, on all cores.
 
