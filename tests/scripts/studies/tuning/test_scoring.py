@@ -1,3 +1,5 @@
+import dataclasses
+
 import pytest
 
 import sonarmap as sm
@@ -13,7 +15,10 @@ def test_hsr_is_idle_where_no_reading_vouches(tmp_path):
     store.simulate_missing([spec])
     drive = store.scorable(spec)
     method = sm.method("bayes-parameterized")
-    idle, busy = sm.filter("hsr", threshold_m=0.001), sm.filter("hsr", threshold_m=3.0)
+    idle, busy = (
+        sm.filter("hsr", threshold_m=0.001),
+        sm.filter("hsr", **dataclasses.asdict(sm.HsrParams.thesis())),
+    )
     without, with_idle, with_busy = (
         score_candidate(Candidate(sm.Pipeline(filters, method)), drive, "brier")
         for filters in ([], [idle], [busy])
