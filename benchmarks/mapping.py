@@ -1,4 +1,4 @@
-"""Readings mapped per second on one thread, the parameterised model evaluated in every cell."""
+"""Readings mapped per second on one thread, the parameterized model evaluated in every cell."""
 
 import math
 from time import perf_counter

@@ -78,7 +78,7 @@ def test_probability_is_the_equations_for_any_parameters(model, data):
     assert p == pytest.approx(equations(model, r, a, reading), abs=1e-9)
 
 
-# --- the shape of the parameterised model --------------------------------------------------------
+# --- the shape of the parameterized model --------------------------------------------------------
 
 
 @given(parameterized_models(), st.floats(0, 1), st.floats(0, 1), st.floats(0.02, 8))

@@ -19,7 +19,7 @@ QUESTIONS = {
     "where?",
     3: "Where is the true region of good wall sizes, and does table 6.1 lie in it?",
     4: "Which of the three goodness measures ranks maps as truth does?",
-    5: "Is the parameterised model better than the standard one with the same parameters, in every "
+    5: "Is the parameterized model better than the standard one with the same parameters, in every "
     "room?",
     6: "Does the simulated TDTh come out near 60 mm, and the opening curve near 0.8 m for a 0.8 m "
     "opening?",

@@ -76,7 +76,7 @@ def _on_axis(context: StudyContext) -> Item:
     left.plot(r, _FIGURE_5_1.probability(r, 0.0, 5.0), color=COLOURS[0])
     left.set_title("standard, s = 5, max 0.9, tolerance 0.5 (figure 5.1)", fontsize=10)
     right.plot(r, _PROPOSED.probability(r, 0.0, 7.5), color=COLOURS[1])
-    right.set_title("parameterised, s = 7.5, P3 = 1 (figure 5.5)", fontsize=10)
+    right.set_title("parameterized, s = 7.5, P3 = 1 (figure 5.5)", fontsize=10)
     for axes in (left, right):
         axes.axhline(0.5, color="#999999", lw=0.8)
         axes.set_xlabel("r, units of the thesis")
@@ -105,7 +105,7 @@ def _parameterized(context: StudyContext) -> Item:
         "hill says 'empty': there are none.",
         (
             context.figure(
-                "parameterized", figure, "Parameterised model, 0.02, 0.15, 1 unit, 0.98, 15 degrees"
+                "parameterized", figure, "Parameterized model, 0.02, 0.15, 1 unit, 0.98, 15 degrees"
             ),
         ),
     )

@@ -127,7 +127,7 @@ class ScoredMap:
         )
 
 
-# Seed by seed, pair by pair: the standard and the parameterised model's map.
+# Seed by seed, pair by pair: the standard and the parameterized model's map.
 ScoredPairs = Sequence[Sequence[tuple[ScoredMap, ScoredMap]]]
 
 
@@ -144,7 +144,7 @@ def score_drive(task: tuple[DriveStore, DriveSpec]) -> list[tuple[ScoredMap, Sco
 
 
 def differences(scored: ScoredPairs, pair: int, name: str) -> Estimate:
-    """Return parameterised less standard of a score, paired by seed."""
+    """Return parameterized less standard of a score, paired by seed."""
     return mean_of(
         [getattr(drive[pair][1], name) - getattr(drive[pair][0], name) for drive in scored]
     )

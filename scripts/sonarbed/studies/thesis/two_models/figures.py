@@ -67,5 +67,5 @@ def draw_differences(
     panels[0].invert_yaxis()
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(series), frameon=False)
-    figure.supxlabel("worse  ←  the parameterised model is  →  better", fontsize=10)
+    figure.supxlabel("worse  ←  the parameterized model is  →  better", fontsize=10)
     return figure

@@ -1,4 +1,4 @@
-"""Figure 5.8 and question 5: the standard and the parameterised model with the same parameters."""
+"""Figure 5.8 and question 5: the standard and the parameterized model with the same parameters."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _maps(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
     drive = context.drives.scorable(spec)
     examples = []
     for pair in PAIRS:
-        for name, model in (("standard", pair.standard), ("parameterised", pair.parameterized)):
+        for name, model in (("standard", pair.standard), ("parameterized", pair.parameterized)):
             built = sm.build_map(drive.log, model, drive.truth.grid)
             score = sm.score_map(built, drive.truth, observable=drive.observable)
             title = (
@@ -75,9 +75,9 @@ def _maps(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
     return Item(
         "Figure 5.8",
         "Maps of one room by the standard model (beta 15 degrees, tolerance 1 unit, maximum 0.98) "
-        "and by the parameterised model (0.02, 0.15, 1 unit, 0.98, 15 degrees): the second is "
+        "and by the parameterized model (0.02, 0.15, 1 unit, 0.98, 15 degrees): the second is "
         "said to be better.",
-        f"In {_EXAMPLE_ROOM} the parameterised model is {', '.join(clauses)}: the paired "
+        f"In {_EXAMPLE_ROOM} the parameterized model is {', '.join(clauses)}: the paired "
         "difference to the standard model, with its interval over the seeds.",
         (
             context.figure(
@@ -111,7 +111,7 @@ def _rooms(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
         tables.append(
             context.table(
                 f"rooms-{pair.tolerance_m * 1000:.0f}-mm",
-                ("room", "score", "standard", "parameterised", "difference", "parameterised is"),
+                ("room", "score", "standard", "parameterized", "difference", "parameterized is"),
                 rows,
                 f"Both models in every room, tolerance P3 = {pair.tolerance_m:g} m, observable "
                 "cells; differences are paired by seed",
@@ -141,14 +141,14 @@ def _rooms(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
         "Figure 5.8 in every room",
         "The proposed model gives better results than the standard one with the same parameters, "
         "whether they are optimal or not.",
-        f"Of {len(found)} rooms the parameterised model is better, with the parameters of figure "
+        f"Of {len(found)} rooms the parameterized model is better, with the parameters of figure "
         f"5.8, in {', '.join(counts)}; with P3 = {PAIRS[1].tolerance_m:g} m, "
         f"in {', '.join(finer)}.",
         (
             context.figure(
                 "differences",
                 figure,
-                "Parameterised less standard model, mean over the seeds with 95 % intervals; the "
+                "Parameterized less standard model, mean over the seeds with 95 % intervals; the "
                 "axis of the Brier score is turned, so that right is better everywhere",
             ),
         ),
@@ -180,13 +180,13 @@ def _why(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
             "room",
             "P3, m",
             "phantom, standard, m²",
-            "phantom, parameterised, m²",
+            "phantom, parameterized, m²",
             "false-free, standard, m²",
-            "false-free, parameterised, m²",
+            "false-free, parameterized, m²",
             *(f"bits, {title}" for title in PARTS.values()),
         ),
         rows,
-        "Area mapped wrongly, and where the difference of the Map Score comes from: parameterised "
+        "Area mapped wrongly, and where the difference of the Map Score comes from: parameterized "
         "less standard, bits per observable cell, the three add up",
     )
     figure = context.figure(
@@ -196,7 +196,7 @@ def _why(context: StudyContext, found: Mapping[str, ScoredPairs]) -> Item:
             [list(by_title.values()) for by_title in parts],
             list(PARTS.values()),
         ),
-        "Where the difference of the Map Score (parameterised less standard) comes from: three "
+        "Where the difference of the Map Score (parameterized less standard) comes from: three "
         "kinds of cells that add up to it, with 95 % intervals",
     )
     clauses = [f"on {title} it is {verdicts(by_room, 1, 2)}" for title, by_room in parts[0].items()]
@@ -222,7 +222,7 @@ def _of_the_models() -> str:
         clauses.append(
             f"of a reading of {reading_m:g} m the standard model calls {standard_before:.0%} of "
             f"the cone before its hill rather occupied and {standard_hill:.0%} of the hill rather "
-            f"free (parameterised: {ours_before:.0%} and {ours_hill:.0%})"
+            f"free (parameterized: {ours_before:.0%} and {ours_hill:.0%})"
         )
     return f"By the equations alone, {'; '.join(clauses)}."
 
@@ -240,7 +240,7 @@ def _example_areas(scored: ScoredPairs) -> str:
             f"{phantom[0]:.2f} m², walls mapped as free {missed[1]:.2f} against "
             f"{missed[0]:.2f} m², Map Score {whole.text(2, 'bit')}"
         )
-    return f"{_EXAMPLE_ROOM}, parameterised against standard: {'; '.join(clauses)}."
+    return f"{_EXAMPLE_ROOM}, parameterized against standard: {'; '.join(clauses)}."
 
 
 def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
@@ -272,7 +272,7 @@ def _answer(found: Mapping[str, ScoredPairs]) -> Answer:
     return Answer(
         5,
         f"{lead}. With the parameters of figure 5.8 (P3 = {PAIRS[0].tolerance_m:g} m) the "
-        f"parameterised model is, {'; '.join(clauses)} (differences to the standard model). With "
+        f"parameterized model is, {'; '.join(clauses)} (differences to the standard model). With "
         f"P3 = {PAIRS[1].tolerance_m:g} m for both it is better, of {len(found)} rooms, in "
         f"{', '.join(finer)}.",
     )
