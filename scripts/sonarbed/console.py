@@ -92,7 +92,10 @@ def score_rows(scores: Mapping[str, Mapping[str, Any]]) -> list[list[str]]:
 
 # Which scores people see, in what words and unit; the JSON has them all, with their counts.
 SCORES = (
+    ("skill", "skill over the blank sheet", ""),
     ("map_score", "Map Score per cell", "bit"),
+    ("average_precision", "average precision", ""),
+    ("calibration_error", "calibration error", ""),
     ("brier", "Brier score", ""),
     ("correlation", "correlation", ""),
     ("f1_1_cell", "F1 within 1 cell", ""),

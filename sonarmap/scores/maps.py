@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,14 +13,12 @@ from scipy.ndimage import distance_transform_edt
 from sonarmap.errors import InputError
 from sonarmap.grid import GridSpec
 from sonarmap.occupancy import OccupancyMap
+from sonarmap.scores.probabilities import CLAMP, ProbabilityCounts
 
 __all__ = ["GridTruth", "MapScore", "ToleranceCount", "score_map"]
 
 # States of a true cell, as `worlds.CellState` numbers them.
 _OCCUPIED, _HIDDEN = 1, 2
-# Every method's probabilities are clamped alike, or one confident error would cost infinitely
-# much: the worst cell scores 1 + log2(0.01) = -5.64 bits.
-CLAMP = 0.01
 TOLERANCES_M = (0.10, 0.20)
 
 
@@ -85,6 +83,9 @@ class MapScore:
         the other way; inf if there is none.
     tolerances : tuple of ToleranceCount
         At one cell, 10 cm and 20 cm.
+    probabilities : ProbabilityCounts, optional
+        The cells by their probabilities, and the loss of the blank sheet. None for a score that is
+        made of the other counts alone: what follows from these is then NaN.
     """
 
     resolution_m: float
@@ -102,6 +103,7 @@ class MapScore:
     map_distance_m: float
     truth_distance_m: float
     tolerances: tuple[ToleranceCount, ...]
+    probabilities: ProbabilityCounts | None = field(default=None, compare=False)
 
     def __add__(self, other: MapScore) -> MapScore:
         if self.resolution_m != other.resolution_m:
@@ -112,18 +114,68 @@ class MapScore:
         sums = {
             name: getattr(self, name) + getattr(other, name)
             for name in self.__slots__
-            if name not in ("resolution_m", "tolerances")
+            if name not in ("resolution_m", "tolerances", "probabilities")
         }
         tolerances = tuple(
             ToleranceCount(a.tolerance_m, a.map_hits + b.map_hits, a.truth_hits + b.truth_hits)
             for a, b in zip(self.tolerances, other.tolerances, strict=True)
         )
-        return MapScore(resolution_m=self.resolution_m, tolerances=tolerances, **sums)
+        ours, others = self.probabilities, other.probabilities
+        return MapScore(
+            resolution_m=self.resolution_m,
+            tolerances=tolerances,
+            probabilities=None if ours is None or others is None else ours + others,
+            **sums,
+        )
 
     @property
     def map_score(self) -> float:
         """Map Score per cell, bits: +1 perfect, 0 all unknown, -5.64 all confidently wrong."""
         return self.bits / self.cells
+
+    @property
+    def loss_bits(self) -> float:
+        """Log loss of the map in bits, summed over the scored cells."""
+        return self.cells - self.bits
+
+    @property
+    def sheet_loss_bits(self) -> float:
+        """Log loss of the blank sheet, the constant map with each room's own share of walls."""
+        return math.nan if self.probabilities is None else self.probabilities.sheet_loss_bits
+
+    @property
+    def skill(self) -> float:
+        """1 - H(map) / H(sheet), H the log loss: the information gained over the blank sheet.
+
+        0 for a map that knows only the room's share of walls, below 0 for one that is worse. NaN
+        where no occupied cell was scored, for then the sheet knows all.
+        """
+        return self._skill_of(self.loss_bits)
+
+    @property
+    def skill_ceiling(self) -> float:
+        """Skill of the perfect map: the clamp keeps it below 1."""
+        return self._skill_of(-self.cells * math.log2(1 - CLAMP))
+
+    @property
+    def recalibrated_skill(self) -> float:
+        """Skill after the best monotone recalibration: what is lost to it was overconfidence."""
+        if self.probabilities is None:
+            return math.nan
+        return self._skill_of(self.probabilities.recalibrated_loss_bits)
+
+    def _skill_of(self, loss_bits: float) -> float:
+        return 1 - loss_bits / self.sheet_loss_bits if self.truth_occupied else math.nan
+
+    @property
+    def average_precision(self) -> float:
+        """Area under the precision-recall curve of the occupied cells, see `ProbabilityCounts`."""
+        return math.nan if self.probabilities is None else self.probabilities.average_precision
+
+    @property
+    def calibration_error(self) -> float:
+        """Expected calibration error, 15 bins of equal count, see `ProbabilityCounts`."""
+        return math.nan if self.probabilities is None else self.probabilities.calibration_error
 
     @property
     def brier(self) -> float:
@@ -195,6 +247,11 @@ class MapScore:
             scores[f"f1_{name}"] = self.f1(index)
         for name in (
             "map_score",
+            "skill",
+            "skill_ceiling",
+            "recalibrated_skill",
+            "average_precision",
+            "calibration_error",
             "brier",
             "correlation",
             "coverage",
@@ -208,7 +265,8 @@ class MapScore:
             **{name: value if math.isfinite(value) else None for name, value in scores.items()},
             "counts": {
                 name: value if not isinstance(value, float) or math.isfinite(value) else None
-                for name, value in asdict(self).items()
+                for name, value in asdict(replace(self, probabilities=None)).items()
+                if name != "probabilities"
             },
         }
 
@@ -288,6 +346,7 @@ def score_map(
         map_distance_m=float(to_truth_m.sum()),
         truth_distance_m=float(to_map_m.sum()),
         tolerances=tolerances,
+        probabilities=ProbabilityCounts.of(p, g),
     )
 
 

@@ -13,7 +13,7 @@ from sonarmap.kernels.cells import cell_index
 from sonarmap.kernels.fusion import cone_evidence
 from sonarmap.kernels.jit import njit
 from sonarmap.occupancy import FREE_UP_TO
-from sonarmap.scores.maps import CLAMP
+from sonarmap.scores.probabilities import CLAMP
 
 __all__ = [
     "FREE",

@@ -13,7 +13,7 @@ import sonarmap as sm
 import worlds
 from sonarbed.reporting.drives import DriveSpec, DriveStore
 from sonarbed.reporting.statistics import Estimate, mean_of
-from sonarmap.scores.maps import CLAMP
+from sonarmap.scores.probabilities import CLAMP
 
 __all__ = [
     "NEAR_WALL_M",
