@@ -256,5 +256,6 @@ def _table(axes: Axes, header: Sequence[str], rows: Sequence[Sequence[str]]) -> 
         table[row, 0].set_text_props(ha="left")
     table.auto_set_font_size(False)
     table.set_fontsize(10)
-    table.scale(1, 1.6)
+    # As high as eleven rows of 1.6 may be, so that it stays below its title.
+    table.scale(1, min(1.6, 1.6 * 12 / (len(rows) + 1)))
     axes.set_title("scores over observable cells", pad=18)
