@@ -1,4 +1,6 @@
 from .faces import Faces
+from .generation.generator import generate, plan, style, styles
+from .generation.plan import Plan
 from .loading import load
 from .materials import MATERIALS, Material
 from .rays import RayHits
@@ -15,12 +17,17 @@ __all__ = [
     "CellState",
     "Faces",
     "Material",
+    "Plan",
     "Pose",
     "RayHits",
     "Solid",
     "TruthGrid",
     "World",
+    "generate",
     "load",
     "names",
+    "plan",
+    "style",
+    "styles",
     "truth",
 ]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from itertools import cycle
+from itertools import cycle, zip_longest
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
@@ -21,7 +23,7 @@ from sonarbed.reporting.drawing import save
 from sonarbed.reporting.wording import cause_name
 from worlds.colours import CAUSE_COLOURS, PATH_COLOUR, WALL_COLOUR
 
-__all__ = ["draw_demo", "draw_map", "draw_world", "plan", "show_map", "show_truth"]
+__all__ = ["draw_demo", "draw_map", "draw_rooms", "draw_world", "plan", "show_map", "show_truth"]
 
 # Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
 # brown, absorbers violet and pink.
@@ -58,6 +60,46 @@ def draw_world(world: worlds.World, path: Path) -> None:
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
     figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def draw_rooms(rooms: Sequence[worlds.World], path: Path) -> None:
+    """Draw a sheet of rooms, each as large as its place allows, with a bar of one metre."""
+    cols = max(1, math.ceil(math.sqrt(len(rooms))))
+    rows = math.ceil(len(rooms) / cols)
+    # A sheet of few rooms is not drawn as large as one of a hundred.
+    inch = min(1.5, max(1.15, 12 / cols)) if cols > 4 else 2.2
+    figure = Figure(figsize=(inch * cols, (inch + 0.16) * rows + 0.5), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.02)  # type: ignore[union-attr, call-arg]
+    panels = figure.subplots(rows, cols, squeeze=False)
+    labels: dict[str, Artist] = {}
+    for axes, world in zip_longest(panels.flat, rooms):
+        axes.axis("off")
+        if world is None:
+            continue
+        _room(axes, world, by_material=True)
+        x_min, y_min, x_max, y_max = world.bounds_m
+        if world.route_m:
+            way = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
+            axes.plot(*way.T, "-", color=PATH_COLOUR, lw=0.5, alpha=0.7)
+        axes.plot(world.start.x_m, world.start.y_m, "o", color=PATH_COLOUR, ms=2)
+        # One metre, below the lower left corner.
+        below = y_min - 0.04 * max(x_max - x_min, y_max - y_min)
+        axes.plot([x_min, x_min + 1], [below, below], color="#000000", lw=1.2, clip_on=False)
+        axes.set_ylim(below, y_max)
+        axes.set_title(world.name, fontsize=5.5, pad=2)
+        handles, names = axes.get_legend_handles_labels()
+        labels |= dict(zip(names, handles, strict=True))
+    known = [name for name in _MATERIAL_COLOURS if name in labels]
+    names = [*known, *sorted(labels.keys() - set(known))]
+    figure.legend(
+        [labels[name] for name in names],
+        names,
+        loc="outside lower center",
+        ncols=min(len(names), max(2, 2 * cols)),
+        fontsize=7,
+        frameon=False,
+    )
     save(figure, path)
 
 
