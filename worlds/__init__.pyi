@@ -1,3 +1,4 @@
+from .doubts import Doubt, doubts
 from .faces import Faces
 from .generation.generator import generate, plan, style, styles
 from .generation.plan import Plan
@@ -15,6 +16,7 @@ __all__ = [
     "MATERIALS",
     "OCCUPIED",
     "CellState",
+    "Doubt",
     "Faces",
     "Material",
     "Plan",
@@ -23,6 +25,7 @@ __all__ = [
     "Solid",
     "TruthGrid",
     "World",
+    "doubts",
     "generate",
     "load",
     "names",
