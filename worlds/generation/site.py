@@ -110,13 +110,12 @@ class Site:
             raise NoRoomError("the wall meets itself")
         self.floor = shapely.Polygon(outline.interiors[0])
         x_min, y_min, x_max, y_max = outline.bounds
-        # Outwards, so that the outermost face is inside.
-        low, high = math.floor, math.ceil
+        # Outwards to centimetres, so that the outermost face is inside.
         self.bounds_m = (
-            low(x_min * 100 - 1e-6) / 100,
-            low(y_min * 100 - 1e-6) / 100,
-            high(x_max * 100 + 1e-6) / 100,
-            high(y_max * 100 + 1e-6) / 100,
+            math.floor(x_min * 100 + 1e-6) / 100,
+            math.floor(y_min * 100 + 1e-6) / 100,
+            math.ceil(x_max * 100 - 1e-6) / 100,
+            math.ceil(y_max * 100 - 1e-6) / 100,
         )
 
     def put(self, parts: Sequence[Part], *, at: Point, heading_deg: float, apart_m: float) -> bool:

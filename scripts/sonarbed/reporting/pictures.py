@@ -13,17 +13,26 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
+from matplotlib.patches import PathPatch, Wedge
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
-from sonarbed.reporting.drawing import save
+from sonarbed.reporting.drawing import COLOURS, save
 from sonarbed.reporting.wording import cause_name
 from worlds.colours import CAUSE_COLOURS, PATH_COLOUR, WALL_COLOUR
 
-__all__ = ["draw_demo", "draw_map", "draw_rooms", "draw_world", "plan", "show_map", "show_truth"]
+__all__ = [
+    "draw_demo",
+    "draw_map",
+    "draw_ring",
+    "draw_rooms",
+    "draw_world",
+    "plan",
+    "show_map",
+    "show_truth",
+]
 
 # Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
 # brown, absorbers violet and pink.
@@ -60,6 +69,47 @@ def draw_world(world: worlds.World, path: Path) -> None:
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
     figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def draw_ring(ring: sm.SonarRing, path: Path) -> None:
+    """Draw where the sonars of a ring sit, from near, and what they see, from afar."""
+    figure = Figure(figsize=(10.5, 5.2), layout="constrained")
+    near, far = figure.subplots(1, 2)
+    figure.suptitle(
+        f"{ring.name}: {len(ring)} sonars, cone {2 * np.degrees(ring.half_angle_rad):.4g}°, "
+        f"{ring.range_min_m:g} to {ring.range_max_m:g} m",
+        fontsize=12,
+    )
+    away_m = max(float(np.hypot(ring.x_m, ring.y_m).max()), 0.05)
+    for axes, long_m, label in ((near, away_m, True), (far, ring.range_max_m, False)):
+        for i, heading_rad in enumerate(ring.heading_rad):
+            looks, half = np.degrees(heading_rad), np.degrees(ring.half_angle_rad)
+            place = np.array([ring.x_m[i], ring.y_m[i]])
+            cone = Wedge(
+                place, long_m, looks - half, looks + half, color=COLOURS[0], alpha=0.18, lw=0
+            )
+            axes.add_patch(cone)
+            ahead = np.array([np.cos(heading_rad), np.sin(heading_rad)])
+            axes.plot(*np.stack([place, place + long_m * ahead]).T, color=COLOURS[0], lw=0.6)
+            if label:
+                axes.plot(*place, "o", color="#000000", ms=4)
+                # Sonars that sit in one place are told apart by where they look.
+                at = place + 0.55 * long_m * ahead
+                axes.annotate(str(i), at, ha="center", va="center", fontsize=9)
+        axes.annotate(
+            "",
+            (0.45 * away_m, 0),
+            (0, 0),
+            arrowprops={"arrowstyle": "-|>", "color": COLOURS[1], "lw": 2},
+        )
+        axes.plot(0, 0, "+", color=COLOURS[1], ms=8)
+        plan(axes)
+        edge_m = 1.08 * (away_m + long_m)
+        axes.set_xlim(-edge_m, edge_m)
+        axes.set_ylim(-edge_m, edge_m)
+    near.set_title("where they sit (arrow: the robot's front)", fontsize=10)
+    far.set_title("what they see", fontsize=10)
     save(figure, path)
 
 
