@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 import shapely
+from shapely.geometry.polygon import orient
 
 from sonarmap.errors import InputError, positive, whole, within
 from worlds.generation.shares import material_shares
@@ -125,7 +126,7 @@ class Style:
 
     def _along_walls(self, site: Site, wanted: float) -> None:
         dice = site.dice
-        rooms = [shapely.orient_polygons(area) for area in site.rooms or [site.floor]]
+        rooms = [orient(area) for area in site.rooms or [site.floor]]
         for _ in range(_count(site, wanted)):
             parts = dice.weighted(BESIDE)(dice)
             length_m, width_m = parts[0].size_m

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
 
 __all__ = ["pieces", "tour"]
 
@@ -106,7 +107,7 @@ def _path(before: NDArray[np.int32], here: int, there: int) -> list[int]:
 def _corners(area: shapely.Polygon) -> NDArray[np.float64]:
     """Return the corners about which a shortest way may bend, shape (n, 2)."""
     found = [np.empty((0, 2))]
-    oriented = shapely.orient_polygons(area)
+    oriented = orient(area)
     for ring in (oriented.exterior, *oriented.interiors):
         points = shapely.get_coordinates(ring)[:-1]
         back, ahead = points - np.roll(points, 1, 0), np.roll(points, -1, 0) - points

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
 
 from sonarmap.errors import InputError
 from worlds.generation.dice import Dice
@@ -95,8 +96,7 @@ class Site:
         self, floor: shapely.Polygon, *, material: str, thickness_m: float, height_m: float
     ) -> None:
         """Put a wall about a floor, which becomes that of the room."""
-        floor = shapely.orient_polygons(floor)
-        points = [(mm(x), mm(y)) for x, y in floor.exterior.coords[:-1]]
+        points = _ring(floor)
         outline = self.wall(
             "walls",
             points,
@@ -231,3 +231,25 @@ class Site:
     def _count(self, label: str) -> int:
         self._counts[label] += 1
         return self._counts[label]
+
+
+def _ring(floor: shapely.Polygon) -> list[Point]:
+    """Return the corners of a floor, counter-clockwise from the lowest of the leftmost ones.
+
+    Where a ring begins and whether it has points on its sides is up to the version of GEOS.
+    """
+    points = [(mm(x), mm(y)) for x, y in orient(floor).exterior.coords[:-1]]
+    corners = [
+        here
+        for before, here, after in zip(
+            points[-1:] + points[:-1], points, points[1:] + points[:1], strict=True
+        )
+        if not _in_line(before, here, after)
+    ]
+    first = corners.index(min(corners)) if corners else 0
+    return corners[first:] + corners[:first]
+
+
+def _in_line(a: Point, b: Point, c: Point) -> bool:
+    (ax, ay), (bx, by), (cx, cy) = a, b, c
+    return abs((bx - ax) * (cy - by) - (by - ay) * (cx - bx)) < 1e-9

@@ -95,7 +95,7 @@ def draw_ring(ring: sm.SonarRing, path: Path) -> None:
             if label:
                 axes.plot(*place, "o", color="#000000", ms=4)
                 # Sonars that sit in one place are told apart by where they look.
-                at = place + 0.55 * long_m * ahead
+                at = place + 1.12 * long_m * ahead
                 axes.annotate(str(i), at, ha="center", va="center", fontsize=9)
         axes.annotate(
             "",

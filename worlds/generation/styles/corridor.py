@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import ClassVar
 
 import shapely
+from shapely.geometry.polygon import orient
 
 from worlds.generation.base import SMOOTH_MOST, Style
 from worlds.generation.site import NoRoomError, Site
@@ -128,7 +129,7 @@ class Corridor(Style):
         dice, floor = site.dice, body
         doors = []
         taken: list[shapely.Polygon] = []
-        for begin, end in pairwise(shapely.orient_polygons(body).exterior.coords):
+        for begin, end in pairwise(orient(body).exterior.coords):
             side = _Side(begin, end)
             for _ in range(int(side.length_m * self.recess_per_m / 2 + dice.uniform(0, 1))):
                 half_m = dice.uniform(0.8, 1.3) / 2

@@ -59,7 +59,7 @@ class LShape(Style):
         floor = shapely.union_all(boxes, grid_size=0.001)
         if not isinstance(floor, shapely.Polygon):
             raise NoRoomError("the letter falls apart")
-        self.enclose(site, floor.simplify(0))
+        self.enclose(site, floor)
         return boxes
 
     def _lines(self, site: Site) -> list[float]:

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 import shapely
+from shapely.geometry.polygon import orient
 
 from sonarmap.errors import InputError
 from worlds.generation.base import Style
@@ -73,7 +74,7 @@ class PolygonRoom(Style):
 
 
 def _is_roomy(floor: shapely.Polygon) -> bool:
-    points = np.array(shapely.orient_polygons(floor).exterior.coords[:-1])
+    points = np.array(orient(floor).exterior.coords[:-1])
     ahead = np.roll(points, -1, 0) - points
     if np.hypot(*ahead.T).min() < _SHORTEST_M:
         return False
