@@ -115,13 +115,13 @@ class Style:
         )
 
     @staticmethod
-    def door_fits(site: Site, door_m: float) -> None:
-        """Raise `InputError` if the robot would not come through a door of some width."""
+    def wide_enough(site: Site, name: str, width_m: float) -> None:
+        """Raise `InputError` if the robot would not come through where the room is so wide."""
         least_m = 2 * (site.clear_m * 1.02 + 0.003) + 0.05
-        if door_m < least_m:
+        if width_m < least_m:
             raise InputError(
-                f"door_min_m must be >= {least_m:.3f} for a robot of {site.radius_m:g} m radius "
-                f"that keeps {site.margin_m:g} m off, got {door_m:g}"
+                f"{name} must be >= {least_m:.3f} for a robot of {site.radius_m:g} m radius "
+                f"that keeps {site.margin_m:g} m off, got {width_m:g}"
             )
 
     def _along_walls(self, site: Site, wanted: float) -> None:

@@ -173,10 +173,13 @@ class Site:
         taken = shapely.union_all(
             shapely.buffer(np.array(self.outlines), apart_m, quad_segs=_SEGMENTS)
         )
+        # An area may be a room's share of something, with lines where they only touch.
+        areas = [shapely.union_all(pieces(area)) for area in areas]
         for piece in pieces(clear.difference(taken)):
             stops: list[Point] = []
+            inner = piece.buffer(-0.02, quad_segs=_SEGMENTS)
             for area in areas:
-                place = piece.buffer(-0.02, quad_segs=_SEGMENTS).intersection(area)
+                place = inner.intersection(area)
                 count = self.dice.whole(stops_min, stops_max)
                 stops += self._spread(place, count) if place.area > 0 else []
                 if place.area == 0:

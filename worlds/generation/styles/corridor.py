@@ -70,7 +70,7 @@ class Corridor(Style):
         """Put up the walls; the ends of all parts must be visited."""
         dice = site.dice
         width_m = dice.uniform(self.width_min_m, self.width_max_m)
-        self.door_fits(site, width_m)
+        self.wide_enough(site, "width_min_m", self.width_min_m)
         line = self._line(site)
         lines = [line]
         if dice.chance(self.arm_share):

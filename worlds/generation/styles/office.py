@@ -69,7 +69,7 @@ class Office(Style):
 
     def shell(self, site: Site) -> Sequence[shapely.Polygon]:
         """Put up the outer wall, then divide the largest room until there are enough."""
-        self.door_fits(site, self.door_min_m)
+        self.wide_enough(site, "door_min_m", self.door_min_m)
         dice = site.dice
         wide_m, deep_m = (mm(dice.uniform(self.side_min_m, self.side_max_m)) for _ in range(2))
         self.enclose(site, shapely.box(0, 0, wide_m, deep_m))
