@@ -80,7 +80,9 @@ def write_fields(fields: Mapping[str, Any], path: str | Path, *, source: str = "
 def _fields(text: str, *, name: str) -> dict[str, Any]:
     try:
         data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except RecursionError:
+        raise InputError("is not TOML: nested too deeply") from None
+    except ValueError as error:  # what it says itself, or Python of a number of 5000 digits
         raise InputError(f"is not TOML: {error}") from None
     _check_keys("", data, needed=(*_NUMBERS, "sonar"), known=(*_TEXTS, *_NUMBERS, "sonar"))
     for key in _TEXTS:

@@ -76,7 +76,9 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InputError("is not a world file: not UTF-8 text") from None
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError("is not TOML: nested too deeply") from None
+    except ValueError as error:  # what it says itself, or Python of a number of 5000 digits
         raise InputError(f"is not TOML: {error}") from None
 
 
