@@ -134,7 +134,7 @@ def test_every_command_below_has_help_with_an_example(run, command, monkeypatch)
 
 
 def test_help_below_loads_nothing_heavy():  # in a fresh process
-    heavy = ["numpy", "scipy", "numba", "pyarrow", "pydantic", "matplotlib", "shapely", "PIL"]
+    heavy = ["numpy", "scipy", "numba", "pyarrow", "matplotlib", "shapely", "PIL"]
     script = (
         "import sys\n"
         "from sonarbed.cli import main\n"
