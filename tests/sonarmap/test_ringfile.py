@@ -1,6 +1,7 @@
 import math
 import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,3 +158,11 @@ def test_mutated_files_are_rings_or_refused(read):
         except sm.InputError:
             refused += 1
     assert 100 < refused < 300
+
+
+def test_the_page_shows_every_ring_and_a_file_that_works(read):
+    page = (Path(__file__).parents[2] / "docs" / "rings.md").read_text(encoding="utf-8")
+    for name in sm.rings():
+        assert f"`{name}`" in page
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    assert len(read(text)) == 2

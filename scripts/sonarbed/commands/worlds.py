@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperCommand
 
 from sonarbed.commands.worlds_check import check
 from sonarbed.commands.worlds_generate import generate
@@ -36,9 +36,8 @@ _below.command("generate")(generate)
 _below.command("check")(check)
 _below.command("materials")(materials)
 _below.command("list")(list_)
-_group = typer.main.get_command(_below)
-assert isinstance(_group, TyperGroup), "of several commands Typer makes a group"
-BELOW = tuple(_group.commands)
+_group: Any = typer.main.get_command(_below)
+BELOW: tuple[str, ...] = tuple(_group.commands)
 """Words after ``sonarbed worlds`` that are commands of their own, not rooms."""
 
 
@@ -63,7 +62,7 @@ def worlds(
         str | None,
         typer.Argument(
             help="A room or a world file to show; module:reader:file with a reader of your own. "
-            f"Or {', '.join(BELOW)}, see '{BELOW[0]} --help' and so on."
+            f"Or one of the commands {', '.join(BELOW)}."
         ),
     ] = None,
     png: Png = None,

@@ -42,7 +42,8 @@ def check(
 
     radius_m = positive("--robot-radius", robot_radius)
     cell_m = positive("--resolution", resolution)
-    found, errors = [], []
+    found: list[dict[str, object]] = []
+    errors: list[str] = []
     for file in files:
         try:
             world = worlds.load(file)
@@ -62,6 +63,6 @@ def check(
     if errors:
         more = f" (and {len(errors) - 1} more with errors)" if errors[1:] else ""
         # One line is left for the end, so the others stand among the results.
-        for error in errors[1:] if not as_json else ():
-            say(f"wrong: {error}")
+        for other in errors[1:] if not as_json else ():
+            say(f"wrong: {other}")
         raise InputError(f"{errors[0]}{more}")

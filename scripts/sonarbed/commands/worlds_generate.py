@@ -15,7 +15,7 @@ from sonarmap.errors import InputError
 from worlds.generation.catalogue import STYLES
 
 if TYPE_CHECKING:
-    from worlds import Plan
+    from worlds import Plan, World
 
 __all__ = ["generate"]
 
@@ -73,7 +73,8 @@ def generate(
     check_writable(png, ".png")
     if out is not None:
         make_folder(out)
-    files, shown = [], []
+    files: list[Path] = []
+    shown: list[World] = []
     with progress() as bars:
         for plan in bars.track(
             _plans(kinds, seeds, robot_radius),

@@ -86,9 +86,9 @@ def draw_ring(ring: sm.SonarRing, path: Path) -> None:
         for i, heading_rad in enumerate(ring.heading_rad):
             looks, half = np.degrees(heading_rad), np.degrees(ring.half_angle_rad)
             place = np.array([ring.x_m[i], ring.y_m[i]])
-            cone = Wedge(
-                place, long_m, looks - half, looks + half, color=COLOURS[0], alpha=0.18, lw=0
-            )
+            ends = (looks - half, looks + half)
+            at_sonar = (float(place[0]), float(place[1]))
+            cone = Wedge(at_sonar, long_m, *ends, color=COLOURS[0], alpha=0.18, lw=0)
             axes.add_patch(cone)
             ahead = np.array([np.cos(heading_rad), np.sin(heading_rad)])
             axes.plot(*np.stack([place, place + long_m * ahead]).T, color=COLOURS[0], lw=0.6)
