@@ -53,6 +53,8 @@ RINGS: Registry[Any] = Registry(
         "amigobot": "sonarmap.rings:AMIGOBOT",
         "amigobot-aria": "sonarmap.rings:AMIGOBOT_ARIA",
         "amigobot-h8": "sonarmap.rings:AMIGOBOT_H8",
+        "hc-sr04-3": "sonarmap.rings:HC_SR04_3",
+        "hc-sr04-8": "sonarmap.rings:HC_SR04_8",
         "pioneer3dx": "sonarmap.rings:PIONEER_3DX",
         "pioneer3dx-front": "sonarmap.rings:PIONEER_3DX_FRONT",
         "udacity8": "sonarmap.rings:UDACITY_8",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sonarmap.catalogue import RINGS
 from sonarmap.errors import InputError, non_negative, positive
+from sonarmap.ringfile import read_fields, write_fields
 
 __all__ = ["AMIGOBOT", "SonarRing", "ring", "rings"]
 
@@ -107,6 +109,10 @@ class SonarRing:
             "range_max_m": self.range_max_m,
         }
 
+    def write(self, path: str | Path, *, source: str = "") -> None:
+        """Write the ring as a TOML file that `ring` reads; `source` says where it is from."""
+        write_fields(self.to_dict(), path, source=source)
+
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> SonarRing:
         """Return the ring that `to_dict` described."""
@@ -121,15 +127,33 @@ def rings() -> Mapping[str, SonarRing]:
     return RINGS
 
 
-def ring(name: str) -> SonarRing:
-    """Return the preset called `name`, or raise `InputError` with the nearest known name.
+def ring(name: str | Path) -> SonarRing:
+    """Return a ring.
 
-    ``package.module:Name`` is a ring of one's own.
+    Parameters
+    ----------
+    name : str or Path
+        A name of `rings`, the path of a TOML file (see `sonarmap.ringfile`), or
+        ``package.module:Name`` of a ring of one's own. A text is a path if it ends in ``.toml``
+        or has a folder in it.
+
+    Raises
+    ------
+    InputError
+        If there is no such ring (with the nearest known name), or its file breaks a rule.
     """
-    found = RINGS.find(name)
+    if _is_path(name):
+        return SonarRing.from_dict(read_fields(name))
+    found = RINGS.find(name)  # type: ignore[arg-type]  # it says what is no name
     if not isinstance(found, SonarRing):
         raise InputError(f"ring {name!r} must be a SonarRing, got {type(found).__name__}")
     return found
+
+
+def _is_path(name: object) -> bool:
+    if not isinstance(name, str):
+        return isinstance(name, Path)
+    return name.lower().endswith(".toml") or (":" not in name and ("/" in name or "\\" in name))
 
 
 def _frozen_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -211,6 +235,14 @@ _PIONEER_3DX = (
 # documented and taken as 0. Sensor 0 looks to the right.
 _UDACITY_8 = tuple((0.0, 0.0, deg) for deg in (-90, -37.5, -22.5, -7.5, 7.5, 22.5, 37.5, 90))
 
+# Arrays of HC-SR04, the usual sonar of hobby robots. Where they sit is assumed: three at the bow of
+# a two-wheeled chassis, and eight evenly around a disc, counter-clockwise from the bow.
+_HC_SR04_3 = ((80, 50, 45), (100, 0, 0), (80, -50, -45))
+_HC_SR04_8 = tuple(
+    (round(100 * math.cos(math.radians(deg)), 1), round(100 * math.sin(math.radians(deg)), 1), deg)
+    for deg in (0, 45, 90, 135, 180, -135, -90, -45)
+)
+
 # 0.165 to 3.0 m and 30 degrees: Rashid 2006, p. 56 and 58. 0.10 to 5.0 m: ARIA's sonar device.
 _ARIA_RANGES = {"range_min_m": 0.10, "range_max_m": 5.0}
 AMIGOBOT = _preset("amigobot", _AMIGOBOT_SH, full_width_deg=30, range_min_m=0.165, range_max_m=3.0)
@@ -220,3 +252,8 @@ PIONEER_3DX = _preset("pioneer3dx", _PIONEER_3DX, full_width_deg=30, **_ARIA_RAN
 # The common case: the robot without the rear array.
 PIONEER_3DX_FRONT = _preset("pioneer3dx-front", _PIONEER_3DX[:8], full_width_deg=30, **_ARIA_RANGES)
 UDACITY_8 = _preset("udacity8", _UDACITY_8, full_width_deg=20, range_min_m=0.17, range_max_m=5.0)
+# HC-SR04 data sheet (Elecfreaks): "measuring angle" 15 degrees, 2 cm to 4 m. That the angle is the
+# cone's full width is assumed; its test diagram shows echoes of large targets from farther aside.
+_HC_SR04 = {"full_width_deg": 15, "range_min_m": 0.02, "range_max_m": 4.0}
+HC_SR04_3 = _preset("hc-sr04-3", _HC_SR04_3, **_HC_SR04)
+HC_SR04_8 = _preset("hc-sr04-8", _HC_SR04_8, **_HC_SR04)

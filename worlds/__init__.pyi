@@ -1,4 +1,7 @@
+from .doubts import Doubt, doubts
 from .faces import Faces
+from .generation.generator import generate, plan, style, styles
+from .generation.plan import Plan
 from .loading import load
 from .materials import MATERIALS, Material
 from .rays import RayHits
@@ -13,14 +16,21 @@ __all__ = [
     "MATERIALS",
     "OCCUPIED",
     "CellState",
+    "Doubt",
     "Faces",
     "Material",
+    "Plan",
     "Pose",
     "RayHits",
     "Solid",
     "TruthGrid",
     "World",
+    "doubts",
+    "generate",
     "load",
     "names",
+    "plan",
+    "style",
+    "styles",
     "truth",
 ]

@@ -20,11 +20,12 @@ from sonarbed.commands.filtering import filter_
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
+from sonarbed.commands.rings import rings
 from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
-from sonarbed.commands.worlds import worlds
+from sonarbed.commands.worlds import WorldsCommand, worlds
 from sonarbed.encoding import plain_where_needed
 from sonarmap.errors import InputError
 
@@ -45,7 +46,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.command()(demo)
-app.command()(worlds)
+app.command(cls=WorldsCommand)(worlds)
+app.command()(rings)
 app.command()(simulate)
 app.command("import")(import_)
 app.command()(export)

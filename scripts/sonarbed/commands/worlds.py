@@ -1,27 +1,68 @@
-"""`sonarbed worlds`: the rooms."""
+"""`sonarbed worlds`: the rooms; and the commands below it, each in a file of its own."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
+from sonarbed.commands.worlds_check import check
+from sonarbed.commands.worlds_generate import generate
+from sonarbed.commands.worlds_materials import materials
 from sonarbed.options import Json, Png, Setting
 
 if TYPE_CHECKING:
     from worlds import World
 
-__all__ = ["worlds"]
+__all__ = ["BELOW", "WorldsCommand", "worlds"]
+
+
+def list_(as_json: Json = False) -> None:
+    """List the rooms that ship.
+
+    Example:
+
+      sonarbed worlds list
+    """
+    _list_rooms(as_json)
+
+
+_below = typer.Typer(rich_markup_mode="rich")
+_below.command("generate")(generate)
+_below.command("check")(check)
+_below.command("materials")(materials)
+_below.command("list")(list_)
+_group: Any = typer.main.get_command(_below)
+BELOW: tuple[str, ...] = tuple(_group.commands)
+"""Words after ``sonarbed worlds`` that are commands of their own, not rooms."""
+
+
+class WorldsCommand(TyperCommand):
+    """`worlds`, which shows rooms, or the command below it that its first word names.
+
+    A group could not show ``worlds office``: it takes the first word for a command.
+    """
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
+    ) -> Any:
+        """Return the context of this command, or of the one below."""
+        if args and args[0] in BELOW:
+            command = _group.commands[args[0]]
+            return command.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+        return super().make_context(info_name, args, parent, **extra)
 
 
 def worlds(
     name: Annotated[
         str | None,
         typer.Argument(
-            help="A room or a world file to show; module:reader:file with a reader of your own."
+            help="A room or a world file to show; module:reader:file with a reader of your own. "
+            f"Or one of the commands {', '.join(BELOW)}."
         ),
     ] = None,
     png: Png = None,
@@ -30,9 +71,17 @@ def worlds(
 ) -> None:
     """List the rooms, or show one with what is assumed of it.
 
+    Also 'worlds generate' makes rooms from a style and a seed, 'worlds
+    check' says what is doubtful in one, 'worlds materials' lists the
+    materials, and 'worlds list' the rooms.
+
     Example:
 
       sonarbed worlds office --png office.png
+
+      sonarbed worlds generate --style office --out rooms
+
+      sonarbed worlds check rooms/office-0000.toml
     """
     from sonarmap.errors import InputError
 

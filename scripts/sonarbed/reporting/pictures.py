@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from itertools import cycle
+from itertools import cycle, zip_longest
 from pathlib import Path
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
+from matplotlib.patches import PathPatch, Wedge
 from matplotlib.path import Path as Outline
 from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
-from sonarbed.reporting.drawing import save
+from sonarbed.reporting.drawing import COLOURS, save
 from sonarbed.reporting.wording import cause_name
 from worlds.colours import CAUSE_COLOURS, PATH_COLOUR, WALL_COLOUR
 
-__all__ = ["draw_demo", "draw_map", "draw_world", "plan", "show_map", "show_truth"]
+__all__ = [
+    "draw_demo",
+    "draw_map",
+    "draw_ring",
+    "draw_rooms",
+    "draw_world",
+    "plan",
+    "show_map",
+    "show_truth",
+]
 
 # Mirrors blue and grey, building materials light, boards orange and red, scatterers green and
 # brown, absorbers violet and pink.
@@ -58,6 +69,87 @@ def draw_world(world: worlds.World, path: Path) -> None:
     _robot(axes, world.start)
     axes.set_title(f"{world.name}: {world.title}", fontsize=10, wrap=True)
     figure.legend(loc="outside lower center", ncols=5, fontsize=8, frameon=False)
+    save(figure, path)
+
+
+def draw_ring(ring: sm.SonarRing, path: Path) -> None:
+    """Draw where the sonars of a ring sit, from near, and what they see, from afar."""
+    figure = Figure(figsize=(10.5, 5.2), layout="constrained")
+    near, far = figure.subplots(1, 2)
+    figure.suptitle(
+        f"{ring.name}: {len(ring)} sonars, cone {2 * np.degrees(ring.half_angle_rad):.4g}°, "
+        f"{ring.range_min_m:g} to {ring.range_max_m:g} m",
+        fontsize=12,
+    )
+    away_m = max(float(np.hypot(ring.x_m, ring.y_m).max()), 0.05)
+    for axes, long_m, label in ((near, away_m, True), (far, ring.range_max_m, False)):
+        for i, heading_rad in enumerate(ring.heading_rad):
+            looks, half = np.degrees(heading_rad), np.degrees(ring.half_angle_rad)
+            place = np.array([ring.x_m[i], ring.y_m[i]])
+            ends = (looks - half, looks + half)
+            at_sonar = (float(place[0]), float(place[1]))
+            cone = Wedge(at_sonar, long_m, *ends, color=COLOURS[0], alpha=0.18, lw=0)
+            axes.add_patch(cone)
+            ahead = np.array([np.cos(heading_rad), np.sin(heading_rad)])
+            axes.plot(*np.stack([place, place + long_m * ahead]).T, color=COLOURS[0], lw=0.6)
+            if label:
+                axes.plot(*place, "o", color="#000000", ms=4)
+                # Sonars that sit in one place are told apart by where they look.
+                at = place + 1.12 * long_m * ahead
+                axes.annotate(str(i), at, ha="center", va="center", fontsize=9)
+        axes.annotate(
+            "",
+            (0.45 * away_m, 0),
+            (0, 0),
+            arrowprops={"arrowstyle": "-|>", "color": COLOURS[1], "lw": 2},
+        )
+        axes.plot(0, 0, "+", color=COLOURS[1], ms=8)
+        plan(axes)
+        edge_m = 1.08 * (away_m + long_m)
+        axes.set_xlim(-edge_m, edge_m)
+        axes.set_ylim(-edge_m, edge_m)
+    near.set_title("where they sit (arrow: the robot's front)", fontsize=10)
+    far.set_title("what they see", fontsize=10)
+    save(figure, path)
+
+
+def draw_rooms(rooms: Sequence[worlds.World], path: Path) -> None:
+    """Draw a sheet of rooms, each as large as its place allows, with a bar of one metre."""
+    cols = max(1, math.ceil(math.sqrt(len(rooms))))
+    rows = math.ceil(len(rooms) / cols)
+    # A sheet of few rooms is not drawn as large as one of a hundred.
+    inch = min(1.5, max(1.15, 12 / cols)) if cols > 4 else 2.2
+    figure = Figure(figsize=(inch * cols, (inch + 0.16) * rows + 0.5), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, wspace=0.02, hspace=0.02)  # type: ignore[union-attr, call-arg]
+    panels = figure.subplots(rows, cols, squeeze=False)
+    labels: dict[str, Artist] = {}
+    for axes, world in zip_longest(panels.flat, rooms):
+        axes.axis("off")
+        if world is None:
+            continue
+        _room(axes, world, by_material=True)
+        x_min, y_min, x_max, y_max = world.bounds_m
+        if world.route_m:
+            way = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
+            axes.plot(*way.T, "-", color=PATH_COLOUR, lw=0.5, alpha=0.7)
+        axes.plot(world.start.x_m, world.start.y_m, "o", color=PATH_COLOUR, ms=2)
+        # One metre, below the lower left corner.
+        below = y_min - 0.04 * max(x_max - x_min, y_max - y_min)
+        axes.plot([x_min, x_min + 1], [below, below], color="#000000", lw=1.2, clip_on=False)
+        axes.set_ylim(below, y_max)
+        axes.set_title(world.name, fontsize=5.5, pad=2)
+        handles, names = axes.get_legend_handles_labels()
+        labels |= dict(zip(names, handles, strict=True))
+    known = [name for name in _MATERIAL_COLOURS if name in labels]
+    names = [*known, *sorted(labels.keys() - set(known))]
+    figure.legend(
+        [labels[name] for name in names],
+        names,
+        loc="outside lower center",
+        ncols=min(len(names), max(2, 2 * cols)),
+        fontsize=7,
+        frameon=False,
+    )
     save(figure, path)
 
 

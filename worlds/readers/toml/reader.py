@@ -6,6 +6,7 @@ import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from sonarmap.errors import InputError
@@ -23,7 +24,7 @@ from worlds.readers.toml.schema import (
 from worlds.solids import Solid
 from worlds.world import Pose, World
 
-__all__ = ["read_toml"]
+__all__ = ["read_toml", "world_of"]
 
 _SolidTable = WallTable | BoxTable | PillarTable
 
@@ -44,11 +45,18 @@ def read_toml(path: Path, /, **parameters: float) -> World:
         If the file is not TOML, a key breaks its rule, or the world one of `World.of`; as
         ``key: rule``.
     """
-    table, values = parse_world(_tables(path), parameters)
+    return world_of(path.stem, _tables(path), parameters)
+
+
+def world_of(
+    name: str, tables: Mapping[str, Any], parameters: Mapping[str, float] = MappingProxyType({})
+) -> World:
+    """Return the world called `name` that the tables of a file describe, see `read_toml`."""
+    table, values = parse_world(tables, parameters)
     own = {key: _material(key, entry) for key, entry in table.materials.items()}
     placed = list(_solid_tables(table))
     return World.of(
-        path.stem,
+        name,
         [_solid(place, entry, own) for place, entry in placed],
         bounds_m=table.bounds_m,
         start=_pose(table.start),
@@ -68,7 +76,9 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InputError("is not a world file: not UTF-8 text") from None
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError("is not TOML: nested too deeply") from None
+    except ValueError as error:  # what it says itself, or Python of a number of 5000 digits
         raise InputError(f"is not TOML: {error}") from None
 
 

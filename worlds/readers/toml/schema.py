@@ -7,6 +7,7 @@ among the solids) is checked by `worlds.World.of`.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import Annotated, Any, Literal
@@ -50,7 +51,7 @@ def _number(value: object, info: ValidationInfo) -> float:
 def _finite_number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"must be a number, got {value!r}")
-    if not math.isfinite(value):
+    if not -math.inf < value < math.inf or abs(value) > sys.float_info.max:
         raise InputError(f"must be a finite number, got {value!r}")
     return float(value)
 
