@@ -17,6 +17,9 @@ METHODS: Registry[Any] = Registry(
     {
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
         "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
+        "free-space": "sonarmap.methods.free_space:FreeSpace",
+        "sheet": "sonarmap.methods.sheet:Sheet",
+        "thrun-inverse": "sonarmap.methods.thrun_inverse:ThrunInverse",
     },
 )
 
