@@ -15,9 +15,13 @@ METHODS: Registry[Any] = Registry(
     "method",
     "sonarbed.methods",
     {
+        "bayes-gaussian": "sonarmap.methods.bayes_gaussian:BayesGaussian",
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
         "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
+        "dempster-shafer": "sonarmap.methods.dempster_shafer:DempsterShafer",
         "free-space": "sonarmap.methods.free_space:FreeSpace",
+        "himm": "sonarmap.methods.himm:Himm",
+        "moravec-elfes": "sonarmap.methods.moravec_elfes:MoravecElfes",
         "sheet": "sonarmap.methods.sheet:Sheet",
         "thrun-inverse": "sonarmap.methods.thrun_inverse:ThrunInverse",
     },

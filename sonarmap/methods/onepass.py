@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self, get_args
 
+import numpy as np
 from numpy.typing import NDArray
 
 from sonarmap.errors import InputError, finite, one_of, positive

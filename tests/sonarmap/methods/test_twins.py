@@ -61,7 +61,124 @@ def plain_free_space(log, grid, m):
     return p
 
 
+def normal(v):
+    return math.exp(-v * v / 2) / math.sqrt(2 * math.pi), (1 + math.erf(v / math.sqrt(2))) / 2
+
+
+def plain_gaussian(log, grid, m):
+    log_odds = np.zeros(grid.shape)
+    half, rate = log.ring.half_angle_rad, m.density_per_m
+    for i, z, echo in beams(log, m):
+        for row, col, r, share in cone(log, i, grid, half):
+            if r > z + (5 * m.sigma_m if echo else 0):
+                continue
+            w = m.detection * math.exp(
+                -((share * half) ** 2) / (2 * (m.sigma_rad or half / 2) ** 2)
+            )
+            ratio = 1 - w
+            if echo:
+                density, below = normal((r - z) / m.sigma_m + rate * m.sigma_m)
+                ratio += w * (below + density / (rate * m.sigma_m))
+            log_odds[row, col] += math.log(ratio)
+    return logistic(log_odds)
+
+
+def dempster(a, b):
+    """Combine masses (occupied, free, unknown) by Dempster's rule."""
+    (o1, f1, u1), (o2, f2, u2) = a, b
+    k = o1 * f2 + f1 * o2
+    return (
+        (o1 * o2 + o1 * u2 + u1 * o2) / (1 - k),
+        (f1 * f2 + f1 * u2 + u1 * f2) / (1 - k),
+        u1 * u2 / (1 - k),
+    )
+
+
+def plain_dempster_shafer(log, grid, m):
+    masses = {}
+    far = m.longest_reading_m(log.ring)
+    for i, z, echo in beams(log, m):
+        for row, col, r, share in cone(log, i, grid, log.ring.half_angle_rad):
+            b = ((far - r) / far + 1 - share) / 2
+            if r < z - m.tolerance_m:
+                p, textbook = 1 - b, (0, b, 1 - b)
+            elif echo and r <= z + m.tolerance_m:
+                p = b * m.max_occupied
+                textbook = (p, 0, 1 - p)
+            else:
+                continue
+            if m.matching == "textbook":
+                said = textbook
+            elif m.matching == "pignistic":
+                said = (max(0, 2 * p - 1), max(0, 1 - 2 * p), 1 - abs(2 * p - 1))
+            elif p >= 0.5:
+                said = ((2 * p - 1) / p, 0, (1 - p) / p)
+            else:
+                said = (0, (1 - 2 * p) / (1 - p), p / (1 - p))
+            masses[row, col] = dempster(masses.get((row, col), (0, 0, 1)), said)
+    p = np.full(grid.shape, 0.5)
+    for place, (o, f, u) in masses.items():
+        p[place] = (o + u) / (o + f + 2 * u) if m.matching == "plausibility" else o + u / 2
+    return p
+
+
+def on_line(grid, x, y, end_x, end_y):
+    """Return the cells that a line passes through, by its samples at each tenth of a millimetre."""
+    t = np.linspace(0, 1, 2 + int(1e4 * math.hypot(end_x - x, end_y - y)))
+    row, col = grid.cell_of(x + t * (end_x - x), y + t * (end_y - y))
+    inside = grid.contains(row, col)
+    return list(dict.fromkeys(zip(row[inside].tolist(), col[inside].tolist(), strict=True)))
+
+
+def plain_himm(log, grid, m):
+    count, seen = np.zeros(grid.shape), np.zeros(grid.shape, bool)
+    for i, z, echo in beams(log, m):
+        (x, y), axis = log.sensor_xy_m[i], log.axis_rad[i]
+        end = x + z * math.cos(axis), y + z * math.sin(axis)
+        hit = tuple(int(index) for index in grid.cell_of(*end)) if echo else None
+        for place in on_line(grid, x, y, *end):
+            seen[place] = True
+            if place != hit:
+                count[place] = max(count[place] - m.down, 0)
+        if hit and grid.contains(*hit):
+            row, col = hit
+            block = count[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2].sum()
+            count[hit] = min(count[hit] + m.up + m.growth * (block - count[hit]), m.top)
+    return np.where(seen, count / m.top, 0.5)
+
+
+def plain_moravec_elfes(log, grid, m):
+    emp, occ = np.zeros(grid.shape), np.zeros(grid.shape)
+    e, nearest = m.error_m, log.ring.range_min_m
+    for i, z, _ in beams(log, m):
+        for row, col, r, share in cone(log, i, grid, log.ring.half_angle_rad):
+            if nearest <= r <= z - e:
+                p = (1 - ((r - nearest) / (z - e - nearest)) ** 2) * (1 - share**2)
+                emp[row, col] += p - emp[row, col] * p
+    for i, z, echo in beams(log, m):
+        arc = {
+            (row, col): (1 - ((r - z) / e) ** 2) * (1 - share**2) * (1 - emp[row, col])
+            for row, col, r, share in cone(log, i, grid, log.ring.half_angle_rad)
+            if echo and abs(r - z) <= e
+        }
+        total = sum(arc.values())
+        for place, p in arc.items():
+            p = p / total if total > 1e-3 else p
+            occ[place] += p - occ[place] * p
+    return (1 + np.where(occ >= emp, occ, -emp)) / 2
+
+
 CASES = [
+    ("bayes-gaussian", {}, plain_gaussian),
+    ("bayes-gaussian", {"no_echo": "clear", "sigma_rad": 0.4, "sigma_m": 0.1}, plain_gaussian),
+    ("dempster-shafer", {"matching": "textbook"}, plain_dempster_shafer),
+    ("dempster-shafer", {"matching": "pignistic", "no_echo": "clear"}, plain_dempster_shafer),
+    ("dempster-shafer", {"matching": "plausibility"}, plain_dempster_shafer),
+    ("himm", {}, plain_himm),
+    ("himm", {"growth": 0.5, "up": 2.0}, plain_himm),
+    ("himm", {"no_echo": "ignore"}, plain_himm),
+    ("moravec-elfes", {}, plain_moravec_elfes),
+    ("moravec-elfes", {"no_echo": "clear", "error_m": 0.12}, plain_moravec_elfes),
     ("free-space", {}, plain_free_space),
     ("thrun-inverse", {}, plain_thrun),
     ("thrun-inverse", {"no_echo": "ignore", "occupied_log_odds": 1.3}, plain_thrun),
