@@ -13,17 +13,25 @@ import numpy as np
 from sonarmap.kernels.jit import njit
 
 __all__ = [
+    "add_costs",
     "add_empty",
+    "add_fuzzy",
     "add_gaussian",
     "add_himm",
     "add_masses",
     "add_occupied",
+    "add_profile",
     "add_thrun",
+    "admit_buckets",
+    "admit_travel",
     "expand_runs",
+    "keep_cells",
 ]
 
 _P_MIN = 1e-6
 _MOST_LOG_ODDS = math.log((1 - _P_MIN) / _P_MIN)
+# What the range layer gives the cell on the axis before anything else.
+_TARGET_COST = 233
 # Standard deviations from the reading beyond which nothing of the Gaussian is left.
 _TAIL = 8.0
 
@@ -38,6 +46,26 @@ def expand_runs(run_cell, run_length, size):  # type: ignore[no-untyped-def]  # 
             cell[n] = run_cell[run] + k
             n += 1
     return cell
+
+
+@njit(error_model="numpy")
+def keep_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    first, cell, ranges, shares, kept
+):
+    """Return `first`, `cell`, `ranges` and `shares` of the cells that are kept."""
+    size = 0
+    for k in range(kept.size):
+        size += kept[k]
+    first_out, cell_out = np.zeros_like(first), np.empty(size, np.int64)
+    ranges_out, shares_out = np.empty(size), np.empty(size)
+    n = 0
+    for i in range(first.size - 1):
+        for k in range(first[i], first[i + 1]):
+            if kept[k]:
+                cell_out[n], ranges_out[n], shares_out[n] = cell[k], ranges[k], shares[k]
+                n += 1
+        first_out[i + 1] = n
+    return first_out, cell_out, ranges_out, shares_out
 
 
 @njit(error_model="numpy")
@@ -219,3 +247,248 @@ def add_occupied(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 else:
                     p /= norm
                     occupied[c] += p - occupied[c] * p
+
+
+@njit(error_model="numpy")
+def admit_buckets(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    voted, cols, origin_x, origin_y, resolution, sensor_xy, first, cell, ranges, edges, distance
+):
+    """Return which cells a beam sees from a bucket that has not voted, and mark the bucket.
+
+    Parameters
+    ----------
+    voted : ndarray of bool, shape (bearings, distances, cells)
+        Changed in place. Cells come last, since neighbours mostly see a beam from one bucket.
+    edges : ndarray, shape (n, 2)
+        Directions of the borders of buckets inside of a quadrant; bearings is 4 (n + 1).
+    distance : float
+        Width of a bucket of ranges, metres.
+    """
+    distances, in_quadrant = voted.shape[1], edges.shape[0] + 1
+    admitted = np.zeros(cell.size, np.bool_)
+    for i in range(sensor_xy.shape[0]):
+        x = (sensor_xy[i, 0] - origin_x) / resolution - 0.5
+        y = (sensor_xy[i, 1] - origin_y) / resolution - 0.5
+        for k in range(first[i], first[i + 1]):
+            row = cell[k] // cols
+            dx, dy = x - (cell[k] - row * cols), y - row
+            # The bucket by comparing with its borders: cheaper than the angle.
+            if dy >= 0.0:
+                toward, u, v = (0, dx, dy) if dx > 0.0 else (in_quadrant, dy, -dx)
+            elif dx < 0.0:
+                toward, u, v = 2 * in_quadrant, -dx, -dy
+            else:
+                toward, u, v = 3 * in_quadrant, -dy, dx
+            for e in range(edges.shape[0]):
+                toward += v * edges[e, 0] >= u * edges[e, 1]
+            far = min(np.int64(ranges[k] / distance), distances - 1)
+            admitted[k] = not voted[toward, far, cell[k]]
+            voted[toward, far, cell[k]] = True
+    return admitted
+
+
+@njit(error_model="numpy")
+def admit_travel(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    last, sonar, travel, first, cell, step
+):
+    """Return which cells a sonar has not told anything since `step` of travel, and note it did.
+
+    `last` is (cells, sonars): the travel in metres at which each last voted.
+    """
+    admitted = np.zeros(cell.size, np.bool_)
+    for i in range(sonar.size):
+        for k in range(first[i], first[i + 1]):
+            if travel[i] - last[cell[k], sonar[i]] >= step:
+                last[cell[k], sonar[i]] = travel[i]
+                admitted[k] = True
+    return admitted
+
+
+@njit(error_model="numpy")
+def add_costs(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    cost,
+    seen,
+    origin_x,
+    origin_y,
+    resolution,
+    sensor_xy,
+    axis_rad,
+    reading,
+    clear,
+    half_angle,
+    inflate,
+    visible,
+    bearing,
+):
+    """Update an 8-bit costmap (rows, cols) by beams as nav2's range layer does.
+
+    `bearing` is the `bearing_polynomial` of the half-angle, `seen` marks the cells in a cone.
+    """
+    rows, cols = cost.shape
+    # What a sensor model of 0.5 makes of each cost: the way through the probability rounds down.
+    neutral = np.empty(256, np.uint8)
+    for c in range(256):
+        neutral[c] = _updated_cost(c, 0.5)
+    for i in range(reading.size):
+        z = reading[i]
+        ox = (sensor_xy[i, 0] - origin_x) / resolution
+        oy = (sensor_xy[i, 1] - origin_y) / resolution
+        axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
+        to_x, to_y = ox + z / resolution * axis_x, oy + z / resolution * axis_y
+        if 0 <= to_x < cols and 0 <= to_y < rows:
+            cost[np.int64(to_y), np.int64(to_x)] = _TARGET_COST
+            seen[np.int64(to_y), np.int64(to_x)] = True
+        far = 1.2 * z / resolution
+        # Whole numbers as a cast to int makes them: toward zero.
+        o_x, o_y = np.int64(ox), np.int64(oy)
+        a_x = np.int64(ox + far * math.cos(axis_rad[i] - half_angle))
+        a_y = np.int64(oy + far * math.sin(axis_rad[i] - half_angle))
+        b_x = np.int64(ox + far * math.cos(axis_rad[i] + half_angle))
+        b_y = np.int64(oy + far * math.sin(axis_rad[i] + half_angle))
+        least = -inflate * abs(0.5 * _orient(a_x, a_y, b_x, b_y, o_x, o_y))
+        left, right = min(o_x, a_x, b_x), max(o_x, a_x, b_x)
+        low, high = min(o_y, a_y, b_y), max(o_y, a_y, b_y)
+        for row in range(max(np.int64(0), low), min(np.int64(rows - 1), high) + 1):
+            for col in range(max(np.int64(0), left), min(np.int64(cols - 1), right) + 1):
+                if inflate < 1.0 and (
+                    _orient(a_x, a_y, b_x, b_y, col, row) < least
+                    or _orient(b_x, b_y, o_x, o_y, col, row) < least
+                    or _orient(o_x, o_y, a_x, a_y, col, row) < least
+                ):
+                    continue
+                old = cost[row, col]
+                if clear[i]:
+                    cost[row, col] = _updated_cost(old, 0.0)
+                    seen[row, col] = True
+                    continue
+                dx, dy = (col + 0.5 - ox) * resolution, (row + 0.5 - oy) * resolution
+                r = math.sqrt(dx * dx + dy * dy)
+                along = dx * axis_x + dy * axis_y
+                if along < 0.0 or r >= z * (1 + resolution):
+                    cost[row, col] = neutral[old]
+                    continue
+                t = abs(dx * axis_y - dy * axis_x) / max(r + along, 1e-300)
+                share, power = 0.0, t
+                for k in range(bearing.size):
+                    share += bearing[k] * power
+                    power *= t * t
+                if share > 1.0:
+                    cost[row, col] = neutral[old]
+                    continue
+                seen[row, col] = True
+                weight = (1 - (1 + math.tanh(2 * (r - visible))) / 2) * (1 - share * share)
+                blur = resolution * z
+                if r < z - 2 * blur:
+                    p = (1 - weight) * 0.5
+                elif r < z - blur:
+                    depth = (r - (z - 2 * blur)) / blur
+                    p = weight * 0.5 * depth * depth + (1 - weight) * 0.5
+                else:
+                    depth = (z - r) / blur
+                    p = weight * (1 - 0.5 * depth * depth - 0.5) + 0.5
+                cost[row, col] = _updated_cost(old, p)
+
+
+@njit(inline="always", error_model="numpy")
+def _updated_cost(cost, p):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    prior = cost / 254.0
+    hit, miss = p * prior, (1 - p) * (1 - prior)
+    # A cost of 254 that is told 0 has no quotient; what a cast makes of NaN there is 0.
+    return np.uint8(254.0 * (hit / (hit + miss))) if hit + miss > 0.0 else np.uint8(0)
+
+
+@njit(inline="always")
+def _orient(a_x, a_y, b_x, b_y, x, y):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    """Twice the signed area of a triangle."""
+    return (b_x - a_x) * (y - a_y) - (b_y - a_y) * (x - a_x)
+
+
+@njit(error_model="numpy")
+def add_fuzzy(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    empty,
+    occupied,
+    first,
+    cell,
+    ranges,
+    shares,
+    reading,
+    echo,
+    thickness,
+    most_empty,
+    most_occupied,
+    visible,
+    power,
+):
+    """Add the memberships' odds, to a power: Dombi's union is a sum of these."""
+    for i in range(reading.size):
+        z = reading[i]
+        for k in range(first[i], first[i + 1]):
+            r = ranges[k]
+            seen = 1.0 - shares[k] * shares[k]
+            seen *= 1.0 - (1.0 + math.tanh(2.0 * (r - visible))) / 2.0
+            depth = (z - r) / thickness
+            c = cell[k]
+            if depth > 0.0:
+                a = most_empty * seen * min(depth * depth, 1.0)
+                empty[c] += _odds(a, power)
+            if echo[i] and abs(depth) < 1.0:
+                a = most_occupied * seen * (1.0 - depth * depth)
+                occupied[c] += _odds(a, power)
+
+
+@njit(inline="always", error_model="numpy")
+def _odds(a, power):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    odds = a / (1.0 - a)
+    return odds if power == 1.0 else odds**power
+
+
+@njit(error_model="numpy")
+def add_profile(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    log_odds,
+    seen,
+    first,
+    cell,
+    ranges,
+    shares,
+    reading,
+    echo,
+    false_density,
+    detection,
+    detection_reach,
+    sigma_0,
+    sigma_slope,
+    clear_sigmas,
+    discount,
+):
+    """Add the range profile's log-odds, less where the beam crosses what is believed occupied."""
+    root = math.sqrt(2 * math.pi)
+    for i in range(reading.size):
+        z = reading[i]
+        nothing = 1.0 - false_density * z
+        specular = 0.0
+        if discount > 0.0:
+            for k in range(first[i], first[i + 1]):
+                r, believed = ranges[k], log_odds[cell[k]]
+                if believed > 0.0 and r < z - clear_sigmas * (sigma_0 + sigma_slope * r):
+                    crossed = math.tanh(believed / 2) * (1.0 - shares[k] * shares[k])
+                    specular = max(specular, crossed)
+        weight = 1.0 - discount * specular
+        for k in range(first[i], first[i + 1]):
+            r, c = ranges[k], cell[k]
+            sigma = sigma_0 + sigma_slope * r
+            alpha = detection * (1.0 - min(1.0, r / detection_reach))
+            alpha *= 1.0 - shares[k] * shares[k]
+            v = (z - r) / sigma
+            ratio = 1.0
+            if echo[i]:
+                if v < -_TAIL:
+                    continue
+                heard = alpha
+                if v < _TAIL:
+                    ratio += alpha * math.exp(-0.5 * v * v) / (root * sigma * false_density)
+                    heard *= 0.5 * math.erfc(-v / math.sqrt(2.0))
+                ratio *= (nothing - heard) / nothing
+            else:
+                ratio = (nothing - alpha) / nothing
+            log_odds[c] += weight * min(max(math.log(ratio), -_MOST_LOG_ODDS), _MOST_LOG_ODDS)
+            seen[c] = True

@@ -83,10 +83,9 @@ class Cells:
 
     def keep(self, kept: NDArray[np.bool_]) -> Cells:
         """Return the list without the cells that are not kept."""
-        first = np.zeros_like(self.first)
-        counts = np.concatenate([[0], np.cumsum(kept)])
-        first[:] = counts[self.first]
-        return Cells(first, self.cell[kept], self.range_m[kept], self.share[kept])
+        from sonarmap.kernels.layers import keep_cells  # numba: loaded when mapping
+
+        return Cells(*keep_cells(self.first, self.cell, self.range_m, self.share, kept))
 
 
 def beams_of(log: SonarLog, limit_m: float, no_echo: NoEcho) -> Beams:

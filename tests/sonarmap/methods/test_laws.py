@@ -12,9 +12,9 @@ GRID = sm.GridSpec(0.1, (-2.5, -2.5), (50, 50))
 NAMES = list(sm.methods())
 
 # What a reading says depends on the map so far.
-IN_ORDER = {"himm"}
+IN_ORDER = {"himm", "konolige-style", "nav2-range"}
 # The costmap's box is cut to whole cells from the lower left, and holds its upper border.
-NOT_SYMMETRIC: set[str] = set()
+NOT_SYMMETRIC = {"nav2-range"}
 # Region 2 of the standard model says "occupied" in its corners (thesis, section 5.1).
 STANDARD_MODEL = {"bayes-standard", "dempster-shafer"}
 COLUMNS = ("sonar", "x_m", "y_m", "heading_rad", "range_m", "stale", "rejected")

@@ -168,7 +168,130 @@ def plain_moravec_elfes(log, grid, m):
     return (1 + np.where(occ >= emp, occ, -emp)) / 2
 
 
+def plain_nav2(log, grid, m):
+    cost = np.full(grid.shape, 127)
+    q, half = grid.resolution_m, log.ring.half_angle_rad
+    far = m.longest_reading_m(log.ring)
+
+    def to_cell(x, y, rule):
+        return (
+            rule((x - grid.origin_xy_m[0]) / grid.resolution_m),
+            rule((y - grid.origin_xy_m[1]) / grid.resolution_m),
+        )
+
+    def side(a, b, c):
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    for i, z, _ in beams(log, m):
+        if z < log.ring.range_min_m:
+            continue
+        (x, y), axis = log.sensor_xy_m[i], log.axis_rad[i]
+        col, row = to_cell(x + z * math.cos(axis), y + z * math.sin(axis), math.floor)
+        if grid.contains(row, col):
+            cost[row, col] = 233
+        corners = [to_cell(x, y, int)] + [
+            to_cell(x + 1.2 * z * math.cos(axis + a), y + 1.2 * z * math.sin(axis + a), int)
+            for a in (-half, half)
+        ]
+        o, a, b = corners
+        cols, rows = zip(*corners, strict=True)
+        for col in range(max(0, min(cols)), min(grid.cols - 1, max(cols)) + 1):
+            for row in range(max(0, min(rows)), min(grid.rows - 1, max(rows)) + 1):
+                least = -m.inflate_cone * abs(side(a, b, o)) / 2
+                sides = [side(a, b, (col, row)), side(b, o, (col, row)), side(o, a, (col, row))]
+                if m.inflate_cone < 1 and min(sides) < least:
+                    continue
+                cx, cy = grid.centre_of(row, col)
+                r = math.hypot(cx - x, cy - y)
+                bearing = math.remainder(math.atan2(cy - y, cx - x) - axis, 2 * math.pi)
+                gamma = 1 - (bearing / half) ** 2 if abs(bearing) <= half else 0
+                lam = (1 - (1 + math.tanh(2 * (r - m.phi_m))) / 2) * gamma
+                if z >= far and m.no_echo == "clear":
+                    p = 0
+                elif r < z - 2 * q * z:
+                    p = (1 - lam) / 2
+                elif r < z - q * z:
+                    p = lam / 2 * ((r - (z - 2 * q * z)) / (q * z)) ** 2 + (1 - lam) / 2
+                elif r < z + q * z:
+                    p = lam * (1 - ((z - r) / (q * z)) ** 2 / 2 - 0.5) + 0.5
+                else:
+                    p = 0.5
+                prior = cost[row, col] / 254
+                odds = p * prior, (1 - p) * (1 - prior)
+                cost[row, col] = int(254 * (odds[0] / sum(odds))) if sum(odds) else 0
+    return cost / 254
+
+
+def plain_fuzzy(log, grid, m):
+    def dombi(a, b):
+        """Return the union of two memberships."""
+        if a == 0 or b == 0:
+            return max(a, b)
+        total = (1 / a - 1) ** -m.power + (1 / b - 1) ** -m.power
+        return 1 / (1 + total ** (-1 / m.power))
+
+    empty, occupied = np.zeros(grid.shape), np.zeros(grid.shape)
+    for i, z, echo in beams(log, m):
+        for row, col, r, share in cone(log, i, grid, log.ring.half_angle_rad):
+            seen = (1 - share**2) * (1 - (1 + math.tanh(2 * (r - m.visible_m))) / 2)
+            if r < z:
+                e = m.most_empty * seen * min((z - r) / m.thickness_m, 1) ** 2
+                empty[row, col] = dombi(empty[row, col], e)
+            if echo and abs(r - z) < m.thickness_m:
+                o = m.most_occupied * seen * (1 - ((r - z) / m.thickness_m) ** 2)
+                occupied[row, col] = dombi(occupied[row, col], o)
+    if m.reading == "difference":
+        return (1 + occupied - empty) / 2
+    ambiguous, unknown = empty * occupied, (1 - empty) * (1 - occupied)
+    safe = empty**2 * (1 - occupied) * (1 - ambiguous) * (1 - unknown)
+    return np.where((empty > 0) | (occupied > 0), 1 - safe, 0.5)
+
+
+def plain_konolige(log, grid, m):
+    log_odds, voted = np.zeros(grid.shape), set()
+    limit = m.longest_reading_m(log.ring)
+    f = m.false_share / limit
+    for i, z, echo in beams(log, m):
+        admitted = []
+        for row, col, r, share in cone(log, i, grid, log.ring.half_angle_rad):
+            if r > z + (5 * (m.sigma_m + m.sigma_slope * z) if echo else 0):
+                continue
+            cx, cy = grid.centre_of(row, col)
+            x, y = log.sensor_xy_m[i]
+            toward = math.floor(math.degrees(math.atan2(y - cy, x - cx)) / 15) % 24
+            bucket = (row, col, toward, min(int(r / m.bucket_m), int(limit / m.bucket_m)))
+            if m.bucket_rad == 0 or bucket not in voted:
+                admitted.append((row, col, r, share))
+            voted.add(bucket)
+        q = max(
+            (
+                math.tanh(log_odds[row, col] / 2) * (1 - share**2)
+                for row, col, r, share in admitted
+                if r < z - 3 * (m.sigma_m + m.sigma_slope * r)
+            ),
+            default=0,
+        )
+        for row, col, r, share in admitted:
+            delta = m.sigma_m + m.sigma_slope * r
+            alpha = m.detection * (1 - min(1, r / m.detection_reach_m)) * (1 - share**2)
+            density, below = normal((z - r) / delta)
+            if echo:
+                ratio = (alpha * density / delta + f) / f * (1 - alpha * below - f * z)
+            else:
+                ratio = 1 - alpha - f * z
+            log_odds[row, col] += (1 - m.specular * max(q, 0)) * math.log(ratio / (1 - f * z))
+    return logistic(log_odds)
+
+
 CASES = [
+    ("fuzzy", {}, plain_fuzzy),
+    ("fuzzy", {"reading": "unsafe", "no_echo": "clear", "power": 1.7}, plain_fuzzy),
+    ("konolige-style", {}, plain_konolige),
+    ("konolige-style", {"bucket_rad": 0.0, "sigma_m": 0.05, "specular": 0.7}, plain_konolige),
+    ("konolige-style", {"no_echo": "ignore", "bucket_m": 0.5, "specular": 0.0}, plain_konolige),
+    ("nav2-range", {}, plain_nav2),
+    ("nav2-range", {"inflate_cone": 0.2, "phi_m": 2.0}, plain_nav2),
+    ("nav2-range", {"no_echo": "clear"}, plain_nav2),
     ("bayes-gaussian", {}, plain_gaussian),
     ("bayes-gaussian", {"no_echo": "clear", "sigma_rad": 0.4, "sigma_m": 0.1}, plain_gaussian),
     ("dempster-shafer", {"matching": "textbook"}, plain_dempster_shafer),
