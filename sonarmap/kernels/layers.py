@@ -18,14 +18,20 @@ __all__ = [
     "add_fuzzy",
     "add_gaussian",
     "add_himm",
+    "add_kernels",
     "add_masses",
     "add_occupied",
     "add_profile",
     "add_thrun",
+    "add_votes",
     "admit_buckets",
     "admit_travel",
     "expand_runs",
+    "judge_beams",
     "keep_cells",
+    "mark_arcs",
+    "mark_free",
+    "strongest_votes",
 ]
 
 _P_MIN = 1e-6
@@ -492,3 +498,118 @@ def add_profile(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 ratio = (nothing - alpha) / nothing
             log_odds[c] += weight * min(max(math.log(ratio), -_MOST_LOG_ODDS), _MOST_LOG_ODDS)
             seen[c] = True
+
+
+@njit(error_model="numpy")
+def add_votes(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    hits, passes, first, cell, ranges, reading
+):
+    """Count for each cell the beams that end in it, at their reading, and those that pass it."""
+    for i in range(reading.size):
+        for k in range(first[i], first[i + 1]):
+            if ranges[k] == reading[i]:
+                hits[cell[k]] += 1
+            else:
+                passes[cell[k]] += 1
+
+
+@njit(inline="always", error_model="numpy")
+def _sparse_kernel(d, length):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    if d >= length:
+        return 0.0
+    turn = 2 * math.pi * d / length
+    return (2 + math.cos(turn)) * (1 - d / length) / 3 + math.sin(turn) / (2 * math.pi)
+
+
+@njit(error_model="numpy")
+def add_kernels(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    occupied, free, first, cell, ranges, reading, echo, length, arc_weight
+):
+    """Add the kernels of beams' arcs, weighed by `arc_weight` (n,), and sectors to Beta counts."""
+    for i in range(reading.size):
+        z = reading[i]
+        border = z - length if echo[i] else z
+        for k in range(first[i], first[i + 1]):
+            r, c = ranges[k], cell[k]
+            if r <= border:
+                free[c] += 1.0
+            else:
+                free[c] += _sparse_kernel(r - border, length) if border > 0.0 else 0.0
+                if echo[i]:
+                    occupied[c] += arc_weight[i] * _sparse_kernel(abs(r - z), length)
+
+
+@njit(error_model="numpy")
+def strongest_votes(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    pressure,
+    occupied,
+    first,
+    cell,
+    ranges,
+    shares,
+    reading,
+    echo,
+    half_angle_deg,
+    square,
+    slope,
+    thickness,
+    short,
+):
+    """Keep for each cell the vote of the beam whose sound is strongest there."""
+    closer = math.log10(2.0)
+    for i in range(reading.size):
+        z = reading[i]
+        for k in range(first[i], first[i + 1]):
+            r, t = ranges[k], shares[k] * half_angle_deg
+            on_arc = echo[i] and abs(r - z) <= thickness
+            if not on_arc and echo[i] and r >= z - thickness:
+                continue
+            sound = square * t * t + slope * t - math.log10(max(r, 1e-6))
+            if on_arc and z <= short:
+                sound += closer
+            c = cell[k]
+            if sound > pressure[c] or (sound == pressure[c] and on_arc):
+                pressure[c], occupied[c] = sound, on_arc
+
+
+@njit(error_model="numpy")
+def judge_beams(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    occupied, first, cell, ranges, reading, echo, thickness
+):
+    """Return which beams agree with a map of occupied cells, and the ranges as it mends them."""
+    right = np.zeros(reading.size, np.bool_)
+    mended = reading.copy()
+    for i in range(reading.size):
+        border = reading[i] - thickness if echo[i] else np.inf
+        nearest, explained = np.inf, False
+        for k in range(first[i], first[i + 1]):
+            if occupied[cell[k]]:
+                nearest = min(nearest, ranges[k])
+                explained = explained or abs(ranges[k] - reading[i]) <= thickness
+        right[i] = nearest >= border and (explained or not echo[i])
+        if not right[i] and nearest < mended[i]:
+            mended[i] = nearest
+    return right, mended
+
+
+@njit(error_model="numpy")
+def mark_arcs(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    state, first, cell, ranges, reading, marking, thickness
+):
+    """Mark the arcs of beams that are `marking` with 1."""
+    for i in range(reading.size):
+        if marking[i]:
+            for k in range(first[i], first[i + 1]):
+                if abs(ranges[k] - reading[i]) <= thickness:
+                    state[cell[k]] = 1
+
+
+@njit(error_model="numpy")
+def mark_free(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    state, first, cell, ranges, border
+):
+    """Mark the cells of beams before their `border` (n,) with -1."""
+    for i in range(border.size):
+        for k in range(first[i], first[i + 1]):
+            if ranges[k] < border[i]:
+                state[cell[k]] = -1

@@ -12,7 +12,7 @@ GRID = sm.GridSpec(0.1, (-2.5, -2.5), (50, 50))
 NAMES = list(sm.methods())
 
 # What a reading says depends on the map so far.
-IN_ORDER = {"himm", "konolige-style", "nav2-range"}
+IN_ORDER = {"himm", "konolige-style", "nav2-range", "tbf"}
 # The costmap's box is cut to whole cells from the lower left, and holds its upper border.
 NOT_SYMMETRIC = {"nav2-range"}
 # Region 2 of the standard model says "occupied" in its corners (thesis, section 5.1).
