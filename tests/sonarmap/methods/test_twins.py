@@ -283,7 +283,149 @@ def plain_konolige(log, grid, m):
     return logistic(log_odds)
 
 
+def crossings(log, i, j, half, least_angle):
+    """Return the bearings on arc i at which it crosses arc j, by the law of cosines."""
+    (xi, yi), (xj, yj) = log.sensor_xy_m[[i, j]]
+    a, b, d = log.range_m[i], log.range_m[j], math.hypot(xj - xi, yj - yi)
+    if d == 0 or not abs(a - b) <= d <= a + b:
+        return []
+    between = math.acos((a * a + b * b - d * d) / (2 * a * b))
+    if min(between, math.pi - between) < least_angle:
+        return []
+    found = []
+    for side in (-1, 1):
+        direction = math.atan2(yj - yi, xj - xi) + side * math.acos(
+            (a * a + d * d - b * b) / (2 * a * d)
+        )
+        x, y = xi + a * math.cos(direction), yi + a * math.sin(direction)
+        on_i = math.remainder(direction - log.axis_rad[i], 2 * math.pi)
+        on_j = math.remainder(math.atan2(y - yj, x - xj) - log.axis_rad[j], 2 * math.pi)
+        if max(abs(on_i), abs(on_j)) <= half:
+            found.append(on_i)
+    return found
+
+
+def plain_points(log, grid, m, bearing):
+    """Make the map of points: `bearing` returns that of a row's target, or None."""
+    hits, passes = np.zeros(grid.shape), np.zeros(grid.shape)
+    for i, z, echo in beams(log, m):
+        for row, col, r, _ in cone(log, i, grid, log.ring.half_angle_rad):
+            passes[row, col] += r <= z - (m.tolerance_m if echo else 0)
+        target = bearing(i) if echo else None
+        if target is not None:
+            axis = log.axis_rad[i] + target
+            x, y = log.sensor_xy_m[i]
+            at = grid.cell_of(x + z * math.cos(axis), y + z * math.sin(axis))
+            if grid.contains(*at):
+                hits[tuple(at)] += 1
+    w = m.point_weight
+    return (1 + (w * hits - passes) / (w * hits + passes + 1)) / 2
+
+
+def plain_atm(log, grid, m):
+    echoes = [i for i, _, echo in beams(log, m) if echo]
+    half = log.ring.half_angle_rad
+
+    def median(i):
+        found = [b for j in echoes for b in crossings(log, i, j, half, m.crossing_rad) if j != i]
+        lonely = None if m.lonely == "drop" else 0.0
+        return float(np.median(found)) if found else lonely
+
+    return plain_points(log, grid, m, median)
+
+
+def plain_tbf(log, grid, m):
+    echoes = [i for i, _, echo in beams(log, m) if echo]
+    half = log.ring.half_angle_rad
+
+    def cluster(i):
+        at = echoes.index(i)
+        window = echoes[max(at - m.window_scans * len(log.ring), 0) : at]
+        found = sorted(b for j in window for b in crossings(log, i, j, half, m.crossing_rad))
+        best = (0, 0.0)
+        for begin in found:
+            inside = [b for b in found if begin <= b <= begin + m.cluster_m / log.range_m[i]]
+            best = max(best, (len(inside), -abs(np.mean(inside))), key=lambda each: each[:2])
+            if best == (len(inside), -abs(np.mean(inside))):
+                mean = float(np.mean(inside))
+        return mean if best[0] >= m.least else None
+
+    return plain_points(log, grid, m, cluster)
+
+
+def plain_bki(log, grid, m):
+    def kernel(d):
+        d = abs(d) / m.length_m
+        if d >= 1:
+            return 0
+        turn = 2 * math.pi * d
+        return (2 + math.cos(turn)) / 3 * (1 - d) + math.sin(turn) / (2 * math.pi)
+
+    a, b = np.full(grid.shape, m.prior), np.full(grid.shape, m.prior)
+    half = log.ring.half_angle_rad
+    for i, z, echo in beams(log, m):
+        weight = max(2 * half * z / grid.resolution_m, 1) ** -m.spread
+        end = z - m.length_m if echo else z
+        for row, col, r, _ in cone(log, i, grid, half):
+            if not echo and r > z:
+                continue
+            b[row, col] += kernel(max(r - end, 0)) if end > 0 else 0
+            a[row, col] += weight * kernel(r - z) if echo else 0
+    return a / (a + b)
+
+
+def plain_conflict_evaluation(log, grid, m):
+    half, beta = log.ring.half_angle_rad, m.thickness_m
+    read = [
+        (z, echo, list(cone(log, i, grid, half)), (log.x_m[i], log.y_m[i]))
+        for i, z, echo in beams(log, m)
+    ]
+    best = {}
+    for z, echo, cells, _ in read:
+        for row, col, r, share in cells:
+            occupied = echo and abs(r - z) <= beta
+            if not occupied and r >= (z - beta if echo else z):
+                continue
+            t = math.degrees(share * half)
+            pressure = -0.00102 * t * t + 0.00241 * t - math.log10(r)
+            pressure += math.log10(2) if occupied and z <= m.short_m else 0
+            best[row, col] = max(best.get((row, col), (-1000, False)), (pressure, occupied))
+    path = set()
+    for *_, (x, y) in read:
+        at_row, at_col = (int(index) for index in grid.cell_of(x, y))
+        beside = range(-m.path_cells, m.path_cells + 1)
+        path |= {(at_row + a, at_col + b) for a in beside for b in beside}
+    wall = {place for place, (_, occupied) in best.items() if occupied} - path
+    state, free = np.zeros(grid.shape), []
+    for z, echo, cells, _ in read:
+        met = [r for row, col, r, _ in cells if (row, col) in wall and r <= z + beta * echo]
+        before = [r for r in met if not echo or r < z - beta]
+        right = not before and (bool(met) or not echo)
+        for row, col, r, _ in cells:
+            if right and echo and abs(r - z) <= beta:
+                state[row, col] = 1
+        border = (z - beta if echo else z) if right else min([z, *met]) - beta
+        free += [(row, col) for row, col, r, _ in cells if r < border]
+    for place in (*free, *path):
+        if grid.contains(*place):
+            state[place] = -1
+    return (1 + state) / 2
+
+
 CASES = [
+    ("atm", {}, plain_atm),
+    ("atm", {"lonely": "centre", "crossing_rad": 0.9, "point_weight": 5.0}, plain_atm),
+    ("atm", {"no_echo": "clear"}, plain_atm),
+    ("bki", {}, plain_bki),
+    ("bki", {"no_echo": "clear", "spread": 0.4, "prior": 0.2, "length_m": 0.1}, plain_bki),
+    ("conflict-evaluation-style", {}, plain_conflict_evaluation),
+    (
+        "conflict-evaluation-style",
+        {"no_echo": "ignore", "path_cells": 0, "thickness_m": 0.1, "short_m": 1.0},
+        plain_conflict_evaluation,
+    ),
+    ("tbf", {"least": 1}, plain_tbf),
+    ("tbf", {"least": 2, "cluster_m": 0.4, "window_scans": 5, "no_echo": "clear"}, plain_tbf),
     ("fuzzy", {}, plain_fuzzy),
     ("fuzzy", {"reading": "unsafe", "no_echo": "clear", "power": 1.7}, plain_fuzzy),
     ("konolige-style", {}, plain_konolige),
