@@ -16,7 +16,7 @@ ITERATIVE, ONE_PASS_S, ITERATIVE_S = ("forward", "belief"), 0.1, 5.0
 def main() -> None:
     log = room_log()
     for name in sm.methods():
-        target = ITERATIVE_S if name.startswith(ITERATIVE) else ONE_PASS_S
+        target = ITERATIVE_S if any(word in name for word in ITERATIVE) else ONE_PASS_S
         method = sm.method(name)
         method.map(log.select(slice(80)), GRID)  # compile
         seconds = min(timed(method, log) for _ in range(5))

@@ -17,6 +17,9 @@ from sonarmap.parameters import Real, Space
 
 __all__ = ["Himm"]
 
+# Beams whose cells are listed at a time.
+_PART_BEAMS = 5_000
+
 
 @dataclass(frozen=True, kw_only=True)
 class Himm(OnePass):
@@ -91,11 +94,12 @@ class Himm(OnePass):
         from sonarmap.kernels.lines import list_lines  # numba: loaded when mapping
 
         grid = scene.grid
-        first, cell, range_m = list_lines(
-            *grid.shape, *grid.origin_xy_m, grid.resolution_m, beams.sensor_xy_m, _ends(beams)
-        )
-        cells = Cells(first, cell, range_m, np.zeros(cell.size))
-        yield beams, cells if votes is None else votes.admit(beams, cells)
+        where = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
+        for begin in range(0, len(beams), _PART_BEAMS):
+            part = beams.select(slice(begin, begin + _PART_BEAMS))
+            first, cell, range_m = list_lines(*where, part.sensor_xy_m, _ends(part))
+            cells = Cells(first, cell, range_m, np.zeros(cell.size))
+            yield part, cells if votes is None else votes.admit(part, cells)
 
     def add(self, scene: Scene, layers: Layers, beams: Beams, cells: Cells) -> None:
         """Count the axes down and the readings up."""

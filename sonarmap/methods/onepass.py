@@ -26,7 +26,7 @@ __all__ = ["ConeMethod", "EvidenceMethod", "Layers", "OnePass", "OnePassMap", "S
 Layers = dict[str, NDArray[Any]]
 """What a method believes of the cells, by name: arrays over the flat grid."""
 
-# The kernel's polynomial for the bearing is exact to 1e-12 up to pi/3, to 1e-9 here.
+# The polynomial of the kernel for the bearing is exact to 1e-11 up to here.
 _WIDEST_RAD = math.pi / 2
 
 

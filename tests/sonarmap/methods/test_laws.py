@@ -1,5 +1,6 @@
 """Laws that hold for every mapping method, or for all but those that are named with the reason."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from support import ONE, THREE, make_log, random_log
 
 import sonarmap as sm
+from sonarmap.parameters import from_text
 
 GRID = sm.GridSpec(0.1, (-2.5, -2.5), (50, 50))
 NAMES = list(sm.methods())
@@ -134,3 +136,11 @@ def test_no_echo_says_nothing_or_that_the_cone_is_free(name):
     clearing = sm.method(name, no_echo="clear", max_range_m=2).map(log, GRID).probability
     assert clearing[GRID.cell_of(-1.0, 0.01)] < 0.5
     assert (clearing <= 0.5).all() or name in STANDARD_MODEL
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_its_parameters_can_be_given_as_text(name):
+    method = sm.method(name)
+    fields = [each.name for each in dataclasses.fields(method)]
+    given = from_text(name, type(method), {each: str(getattr(method, each)) for each in fields})
+    assert type(method)(**given) == method

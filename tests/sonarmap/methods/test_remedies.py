@@ -123,6 +123,7 @@ def test_votes_carry_over_from_part_to_part(rng, monkeypatch):
     cones = Remedied(method=sm.method("thrun-inverse"), **SELECTING["both"])
     whole = [each.map(log, GRID).log_odds for each in (remedied, cones)]
     monkeypatch.setattr(importlib.import_module("sonarmap.methods.cones"), "_PART_CELLS", 50)
+    monkeypatch.setattr(importlib.import_module("sonarmap.methods.himm"), "_PART_BEAMS", 7)
     for each, expected in zip((remedied, cones), whole, strict=True):
         np.testing.assert_allclose(each.map(log, GRID).log_odds, expected, atol=1e-12)
 
