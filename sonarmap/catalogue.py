@@ -15,8 +15,22 @@ METHODS: Registry[Any] = Registry(
     "method",
     "sonarbed.methods",
     {
+        "atm": "sonarmap.methods.atm:ArcTransversalMedian",
+        "bayes-gaussian": "sonarmap.methods.bayes_gaussian:BayesGaussian",
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
         "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
+        "bki": "sonarmap.methods.bki:BayesianKernel",
+        "conflict-evaluation-style": "sonarmap.methods.conflict_evaluation:ConflictEvaluation",
+        "dempster-shafer": "sonarmap.methods.dempster_shafer:DempsterShafer",
+        "free-space": "sonarmap.methods.free_space:FreeSpace",
+        "fuzzy": "sonarmap.methods.fuzzy:Fuzzy",
+        "himm": "sonarmap.methods.himm:Himm",
+        "konolige-style": "sonarmap.methods.konolige:KonoligeStyle",
+        "moravec-elfes": "sonarmap.methods.moravec_elfes:MoravecElfes",
+        "nav2-range": "sonarmap.methods.nav2_range:Nav2Range",
+        "sheet": "sonarmap.methods.sheet:Sheet",
+        "tbf": "sonarmap.methods.tbf:TriangulationFusion",
+        "thrun-inverse": "sonarmap.methods.thrun_inverse:ThrunInverse",
     },
 )
 
