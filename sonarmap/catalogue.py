@@ -26,6 +26,10 @@ FILTERS: Registry[Any] = Registry(
     {
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
         "hsr": "sonarmap.filters.hsr:Hsr",
+        "median-of-repeats": "sonarmap.filters.repeats:MedianOfRepeats",
+        "none": "sonarmap.filters.none:NoFilter",
+        "oracle-drop": "sonarmap.filters.oracles:OracleDrop",
+        "oracle-mend": "sonarmap.filters.oracles:OracleMend",
         "stale": "sonarmap.filters.stale:MarkStale",
     },
 )
