@@ -15,6 +15,7 @@ METHODS: Registry[Any] = Registry(
     "method",
     "sonarbed.methods",
     {
+        "arc-competition": "sonarmap.methods.arc_competition:ArcCompetition",
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
         "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
     },
