@@ -18,6 +18,8 @@ METHODS: Registry[Any] = Registry(
         "arc-competition": "sonarmap.methods.arc_competition:ArcCompetition",
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
         "bayes-standard": "sonarmap.methods.bayes.standard:BayesStandard",
+        "forward-bp": "sonarmap.methods.forward.propagation:ForwardBp",
+        "thrun-forward": "sonarmap.methods.forward.climbing:ThrunForward",
     },
 )
 
