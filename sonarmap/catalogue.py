@@ -33,6 +33,7 @@ FILTERS: Registry[Any] = Registry(
         "none": "sonarmap.filters.none:NoFilter",
         "oracle-drop": "sonarmap.filters.oracles:OracleDrop",
         "oracle-mend": "sonarmap.filters.oracles:OracleMend",
+        "range-confidence-style": "sonarmap.filters.range_confidence:RangeConfidenceStyle",
         "stale": "sonarmap.filters.stale:MarkStale",
     },
 )
