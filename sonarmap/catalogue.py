@@ -28,6 +28,7 @@ FILTERS: Registry[Any] = Registry(
     "sonarbed.filters",
     {
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
+        "gamma-variance": "sonarmap.filters.gamma_variance:GammaVariance",
         "hsr": "sonarmap.filters.hsr:Hsr",
         "median-of-repeats": "sonarmap.filters.repeats:MedianOfRepeats",
         "none": "sonarmap.filters.none:NoFilter",
