@@ -27,9 +27,11 @@ FILTERS: Registry[Any] = Registry(
     "filter",
     "sonarbed.filters",
     {
+        "conflict-evaluation-style": "sonarmap.filters.conflict_evaluation:ConflictEvaluationStyle",
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
         "gamma-variance": "sonarmap.filters.gamma_variance:GammaVariance",
         "hsr": "sonarmap.filters.hsr:Hsr",
+        "linear-features-style": "sonarmap.filters.linear_features:LinearFeaturesStyle",
         "median-of-repeats": "sonarmap.filters.repeats:MedianOfRepeats",
         "none": "sonarmap.filters.none:NoFilter",
         "oracle-drop": "sonarmap.filters.oracles:OracleDrop",
