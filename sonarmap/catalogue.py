@@ -15,6 +15,7 @@ METHODS: Registry[Any] = Registry(
     "method",
     "sonarbed.methods",
     {
+        "arc-competition": "sonarmap.methods.arc_competition:ArcCompetition",
         "atm": "sonarmap.methods.atm:ArcTransversalMedian",
         "bayes-gaussian": "sonarmap.methods.bayes_gaussian:BayesGaussian",
         "bayes-parameterized": "sonarmap.methods.bayes.parameterized:BayesParameterized",
@@ -22,6 +23,7 @@ METHODS: Registry[Any] = Registry(
         "bki": "sonarmap.methods.bki:BayesianKernel",
         "conflict-evaluation-style": "sonarmap.methods.conflict_evaluation:ConflictEvaluation",
         "dempster-shafer": "sonarmap.methods.dempster_shafer:DempsterShafer",
+        "forward-bp": "sonarmap.methods.forward.propagation:ForwardBp",
         "free-space": "sonarmap.methods.free_space:FreeSpace",
         "fuzzy": "sonarmap.methods.fuzzy:Fuzzy",
         "himm": "sonarmap.methods.himm:Himm",
@@ -30,6 +32,7 @@ METHODS: Registry[Any] = Registry(
         "nav2-range": "sonarmap.methods.nav2_range:Nav2Range",
         "sheet": "sonarmap.methods.sheet:Sheet",
         "tbf": "sonarmap.methods.tbf:TriangulationFusion",
+        "thrun-forward": "sonarmap.methods.forward.climbing:ThrunForward",
         "thrun-inverse": "sonarmap.methods.thrun_inverse:ThrunInverse",
     },
 )
@@ -38,8 +41,16 @@ FILTERS: Registry[Any] = Registry(
     "filter",
     "sonarbed.filters",
     {
+        "conflict-evaluation-style": "sonarmap.filters.conflict_evaluation:ConflictEvaluationStyle",
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
+        "gamma-variance": "sonarmap.filters.gamma_variance:GammaVariance",
         "hsr": "sonarmap.filters.hsr:Hsr",
+        "linear-features-style": "sonarmap.filters.linear_features:LinearFeaturesStyle",
+        "median-of-repeats": "sonarmap.filters.repeats:MedianOfRepeats",
+        "none": "sonarmap.filters.none:NoFilter",
+        "oracle-drop": "sonarmap.filters.oracles:OracleDrop",
+        "oracle-mend": "sonarmap.filters.oracles:OracleMend",
+        "range-confidence-style": "sonarmap.filters.range_confidence:RangeConfidenceStyle",
         "stale": "sonarmap.filters.stale:MarkStale",
     },
 )

@@ -42,7 +42,7 @@ class TestEveryFilter:
         assert made.log.truth is log.truth
 
     def test_never_takes_back_a_rejection_nor_changes_what_is_not_used(self, name, rng):
-        log = random_log(rng, 300, ring=sm.AMIGOBOT)
+        log = random_log(rng, 300, ring=sm.AMIGOBOT, truth=True)
         made = sm.filter(name).apply(log)
         assert made.rejected[log.rejected].all()
         assert not made.changed[~log.usable].any()
@@ -50,7 +50,7 @@ class TestEveryFilter:
     def test_does_not_listen_to_what_is_not_used(self, name, rng):
         if name == "stale":
             pytest.skip("it is about repeats of all values")
-        log = random_log(rng, 300, ring=sm.AMIGOBOT)
+        log = random_log(rng, 300, ring=sm.AMIGOBOT, truth=True)
         lies = log.replace(range_m=np.where(log.usable, log.range_m, 0.4))
         told, lied = sm.filter(name).apply(log), sm.filter(name).apply(lies)
         used = log.usable
