@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from sim.runs.parallel import run_all, stop_if_cancelled
-from sim.runs.simulation import simulate
+from sim.runs.parallel import checked_jobs, run_all, stop_if_cancelled
+from sim.runs.simulation import DriveArguments, simulate
 from sonarmap import Cause, InputError, SonarLog
+from sonarmap.errors import whole
 from sonarmap.files import atomic_path, make_folder
 from worlds import World
 
@@ -53,10 +54,9 @@ def simulate_many(
         ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each its seed, file,
         readings, readings by cause, and in how many scans the robot touched something.
     """
-    if jobs < 1:
-        raise InputError(f"jobs must be >= 1, got {jobs!r}")
-    if len(set(seeds)) != len(seeds) or not seeds:
-        raise InputError(f"seeds must be at least one and none twice, got {list(seeds)!r}")
+    jobs, seeds = checked_jobs(jobs), _checked_seeds(seeds)
+    # Refused here, not by the first process that works.
+    DriveArguments.of(world, seed=seeds[0], **arguments)
     folder = make_folder(folder)
     entries: dict[int, dict[str, Any]] = {}
     try:
@@ -79,6 +79,15 @@ def simulate_many(
             with atomic_path(folder / MANIFEST) as path:
                 path.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
     return manifest
+
+
+def _checked_seeds(seeds: Any) -> list[int]:
+    if isinstance(seeds, str) or not hasattr(seeds, "__len__"):
+        raise InputError(f"seeds must be whole numbers such as range(10), got {seeds!r}")
+    numbers = [whole(f"seeds[{place}]", seed, least=0) for place, seed in enumerate(seeds)]
+    if len(set(numbers)) != len(numbers) or not numbers:
+        raise InputError(f"seeds must be at least one and none twice, got {numbers!r}")
+    return numbers
 
 
 def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
@@ -104,4 +113,5 @@ def _simulate_one(
 
 
 def _plain(value: Any) -> Any:
-    return value if isinstance(value, str | int | float | bool | None) else repr(value)
+    plain = value.item() if isinstance(value, np.generic) else value
+    return plain if isinstance(plain, str | int | float | bool | None) else repr(plain)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
@@ -12,12 +13,26 @@ from contextlib import contextmanager
 from multiprocessing.synchronize import Event
 from typing import TypeVar
 
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, whole
 
-__all__ = ["deaf_children", "interrupts_held_back", "run_all", "stop_if_cancelled"]
+__all__ = [
+    "checked_jobs",
+    "deaf_children",
+    "interrupts_held_back",
+    "run_all",
+    "stop_if_cancelled",
+]
+
+# More processes than this, or four a core, are a slip of the pen: each loads all libraries.
+_MOST_JOBS = 256
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+
+
+def checked_jobs(jobs: int) -> int:
+    """Return a number of processes, or raise `InputError`: at least one, no more than can work."""
+    return whole("jobs", jobs, least=1, most=max(_MOST_JOBS, 4 * (os.cpu_count() or 1)))
 
 
 def run_all(
@@ -40,7 +55,7 @@ def run_all(
         Filled under the number of each task; after an interruption or a failure it holds what
         was finished.
     jobs : int
-        Processes that work at once, >= 1; with 1 all is done in this one.
+        Processes that work at once, see `checked_jobs`; with 1 all is done in this one.
     on_done : callable, optional
         Called with the number of each finished task, for a progress bar.
 
@@ -49,7 +64,7 @@ def run_all(
     InputError
         If a process was killed. What `function` raises comes through as it is.
     """
-    if jobs == 1 or len(tasks) <= 1:
+    if checked_jobs(jobs) == 1 or len(tasks) <= 1:
         for index, task in enumerate(tasks):
             results[index] = function(task)
             if on_done is not None:

@@ -30,8 +30,10 @@ def simulate(
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     driver: Annotated[
         str,
-        typer.Option(help=f"{listed(simulator('drivers'))}."),
-    ] = "thesis",
+        typer.Option(
+            help=f"{listed(simulator('drivers'))}; auto is the room's route, else wander."
+        ),
+    ] = "auto",
     sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "physical",
     packets: Annotated[
         bool,

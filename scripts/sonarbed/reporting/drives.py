@@ -33,7 +33,7 @@ _KEPT = 64
 
 @lru_cache(maxsize=_KEPT)
 def usual_driver(room: str) -> str:
-    """Return who drives in a room: along its route if it has one, else on the thesis's circle."""
+    """Return who drives in the studies: along a room's route, else on the thesis's own circle."""
     return "route" if worlds.load(room).route_m else "thesis"
 
 
@@ -66,7 +66,7 @@ class DriveSpec:
     room: str
     scans: int
     seed: int
-    driver: str | Driver = "thesis"
+    driver: str | Driver = "auto"
     sonar: str | Sonar = "thesis"
     engine: str = "bullet"
     packets: StatusPackets | None = None

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from typing import Any
 
 import worlds
-from sonarbed.reporting.drives import DriveSpec, usual_driver
+from sonarbed.reporting.drives import DriveSpec
 from sonarbed.studies.tuning.scoring import SCORES
 from sonarbed.studies.tuning.space import MODELS, TARGETS
 from sonarmap.errors import InputError, did_you_mean, positive
@@ -17,7 +17,7 @@ __all__ = ["SAMPLERS", "TuneSettings", "check_rooms"]
 
 SAMPLERS = ("grid", "nsga2", "tpe", "cmaes")
 # Raised when the trials of a study change their meaning: older studies are refused, not mixed.
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,9 @@ class TuneSettings:
         return SCORES[self.score]
 
     def drives(self, rooms: Sequence[str]) -> tuple[DriveSpec, ...]:
-        """Return the drives of rooms, as long and as many as those of the search."""
+        """Return the drives of rooms, as long and as many as the search's, by the default driver."""
         return tuple(
-            DriveSpec(room, scans=self.scans, seed=seed, driver=usual_driver(room))
+            DriveSpec(room, scans=self.scans, seed=seed)
             for room in rooms
             for seed in range(self.seeds)
         )
