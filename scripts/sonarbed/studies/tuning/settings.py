@@ -81,7 +81,7 @@ class TuneSettings:
         return SCORES[self.score]
 
     def drives(self, rooms: Sequence[str]) -> tuple[DriveSpec, ...]:
-        """Return the drives of rooms, as long and as many as the search's, by the default driver."""
+        """Return drives of rooms, as long and as many as the search has, by the default driver."""
         return tuple(
             DriveSpec(room, scans=self.scans, seed=seed)
             for room in rooms
