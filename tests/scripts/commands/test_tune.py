@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing, suppress
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,27 @@ def test_ctrl_c_reaches_every_process(folder):
     assert len(find(search, trials=len(kept) + 1, on_progress=ignore).trials) == len(kept) + 1
 
 
+@pytest.mark.parametrize("sampler", ["tpe", "grid"])
+def test_processes_that_share_a_study_make_its_trials_together(folder, sampler):
+    # They begin at once, and one of them makes the study.
+    commands = [
+        subprocess.Popen(
+            [
+                *(sys.executable, "-m", "sonarbed", "tune", "--out", str(folder)),
+                *f"{OPTIONS} --sampler {sampler} --trials 12 --seed {seed}".split(),
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for seed in range(3)
+    ]
+    assert [(command.communicate()[1], command.returncode) for command in commands] == [("", 0)] * 3
+    kept = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
+    assert 12 <= sum(trial.state.name == "COMPLETE" for trial in kept) < 12 + 3
+    assert 12 <= json.loads((folder / "tune.json").read_text())["trials"] < 12 + 3
+
+
 def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     line = f"tune --out {folder} {OPTIONS} --target hsr --max-range 2 --trials 3"
     told = json.loads(run(f"{line} --json"))
@@ -129,7 +151,8 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
         direct[name] = []
         for seed in (0, 1):
             log = sim.simulate(room, scans=6, seed=seed, driver="route", sonar="thesis")
-            mended = log if hsr is None else sm.hsr(log, hsr).log
+            # Idle, not refused, where no reading is short enough to vouch.
+            mended = log if hsr is None else sm.filter("hsr", **asdict(hsr)).apply(log).log
             built = sm.build_map(mended, model, truth.grid, max_range_m=2.0)
             score = sm.score_map(built, truth, observable=truth.observable(log))
             direct[name].append(score.map_score)

@@ -8,10 +8,11 @@ from importlib.metadata import version
 from typing import Any
 
 import worlds
+from sim.runs.simulation import MOST_SCANS
 from sonarbed.reporting.drives import DriveSpec
 from sonarbed.studies.tuning.scoring import SCORES
 from sonarbed.studies.tuning.space import MODELS, TARGETS
-from sonarmap.errors import InputError, did_you_mean, positive
+from sonarmap.errors import InputError, did_you_mean, positive, whole
 
 __all__ = ["SAMPLERS", "TuneSettings", "check_rooms"]
 
@@ -65,8 +66,8 @@ class TuneSettings:
                 raise InputError(f"{name} {value!r} is unknown{did_you_mean(value, known)}")
         check_rooms("train", self.train)
         for name in ("seeds", "scans"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} must be >= 1, got {getattr(self, name)!r}")
+            whole(name, getattr(self, name), least=1)
+        whole("scans", self.scans, most=MOST_SCANS)
         if self.max_range_m is not None:
             positive("max_range_m", self.max_range_m)
         if self.sampler == "grid" and (self.target, self.model) != ("model", "parameterized"):
