@@ -129,6 +129,25 @@ def test_processes_that_share_a_study_make_its_trials_together(folder, sampler):
     assert 12 <= json.loads((folder / "tune.json").read_text())["trials"] < 12 + 3
 
 
+@pytest.mark.parametrize(("seeds", "title"), [(1, "1 seed, no interval"), (2, "95 % over 2 seeds")])
+def test_a_search_says_over_what_its_numbers_are(folder, run, seeds, title):
+    line = f"tune --out {folder} {OPTIONS.replace('--seeds 2', f'--seeds {seeds}')} --trials 1"
+    shown, told = run(line), json.loads((folder / "tune.json").read_text())
+    for part, room, words in (
+        ("training", "thesis-exp1", "Tuned on"),
+        ("judged", "l-shape", "Judged on"),
+    ):
+        assert f"{words}: map_score ({title})" in shown
+        readings = told["readings"][part]
+        assert readings["drives"] == seeds
+        assert readings["in_log"] == 8 * 6 * seeds
+        assert readings["used"] + sum(readings["unused"].values()) == readings["in_log"]
+        assert readings["collision_scans"] == 0
+        used = f"{readings['used']} of {readings['in_log']} readings used"
+        assert f"{words}: {seeds} drive{'s' if seeds > 1 else ''}, {used}" in shown
+        assert told[part][room]["scores"]["best"]["low"] is None or seeds > 1
+
+
 def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     line = f"tune --out {folder} {OPTIONS} --target hsr --max-range 2 --trials 3"
     told = json.loads(run(f"{line} --json"))
