@@ -23,10 +23,14 @@ def main() -> None:
     world = worlds.load("thesis-exp1")
     batches = recorded_batches(world)
     steps = round(sonars.preset("thesis").scan_period_s / amigobot.PHYSICS_DT_S)
+
+    def drive() -> None:
+        sim.simulate(world, scans=SCANS, seed=0, driver="thesis", sonar="thesis")
+
     # In turn, so that both meet the machine in the same mood.
     whole, bare = [], []
     for _ in range(9):
-        whole.append(timed(lambda: sim.simulate(world, scans=SCANS, seed=0, sonar="thesis")))
+        whole.append(timed(drive))
         bare.append(bare_loop(world, batches, steps))
     drive_s = SCANS * sonars.preset("thesis").scan_period_s
     ratios = np.array(whole) / np.array(bare)
@@ -56,7 +60,7 @@ def recorded_batches(world: worlds.World) -> list[list[tuple[np.ndarray, np.ndar
 
     Bullet.cast = record
     try:
-        sim.simulate(world, scans=SCANS, seed=0, sonar="thesis")
+        sim.simulate(world, scans=SCANS, seed=0, driver="thesis", sonar="thesis")
     finally:
         Bullet.cast = cast
     return scans

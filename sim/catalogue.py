@@ -10,6 +10,7 @@ __all__ = ["DRIVERS", "ENGINES", "SONAR_PRESETS", "TASKS"]
 
 DRIVERS = MappingProxyType(
     {
+        "auto": "sim.robot.drivers:auto",
         "thesis": "sim.robot.drivers:ConstantSpeeds",
         "straight": "sim.robot.drivers:STRAIGHT",
         "route": "sim.robot.drivers:route",

@@ -10,17 +10,21 @@ import math
 from collections.abc import Iterable
 from difflib import get_close_matches
 from numbers import Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:  # a message needs no numpy, and the command line's help none either
     import numpy as np
     from numpy.typing import NDArray
+
+Instance = TypeVar("Instance")
 
 __all__ = [
     "InputError",
     "did_you_mean",
     "finite",
     "first_row",
+    "flag",
+    "instance",
     "non_negative",
     "one_of",
     "positive",
@@ -99,14 +103,34 @@ def did_you_mean(unknown: str, known: Iterable[str]) -> str:
     return f"; did you mean {near[0]!r}?" if near else f"; known: {', '.join(names)}"
 
 
-def whole(name: str, value: float, *, least: int | None = None) -> int:
-    """Return `value` as an int if it is a whole number, >= `least`, else raise `InputError`."""
+def whole(name: str, value: float, *, least: int | None = None, most: int | None = None) -> int:
+    """Return `value` as an int if it is whole, `least` to `most`, else raise `InputError`."""
     number = _number(name, value)
     if not number.is_integer():
         raise InputError(f"{name} must be a whole number, got {value!r}")
     if least is not None and number < least:
         raise InputError(f"{name} must be >= {least}, got {value!r}")
+    if most is not None and number > most:
+        raise InputError(f"{name} must be <= {most}, got {value!r}")
     return int(value)
+
+
+def flag(name: str, value: object) -> bool:
+    """Return `value` if it is true or false, numpy's included, else raise `InputError`."""
+    plain = value.item() if getattr(value, "shape", None) == () else value  # type: ignore[attr-defined]
+    # "no" would count as true, and so would an empty room.
+    if not isinstance(plain, bool):
+        raise InputError(f"{name} must be True or False, got {value!r}")
+    return plain
+
+
+def instance(name: str, value: Instance, kind: type[Instance], how: str = "") -> Instance:
+    """Return `value` if it is of a class, else raise `InputError`; `how` says how to get one."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        hint = f": {how}" if how else ""
+        raise InputError(f"{name} must be {article} {kind.__name__}, got {value!r}{hint}")
+    return value
 
 
 def _number(name: str, value: object) -> float:
@@ -115,4 +139,7 @@ def _number(name: str, value: object) -> float:
     # "3" is text, and True is no length: what they would become is not what was meant.
     if type(plain) is bool or not isinstance(plain, Real):
         raise InputError(f"{name} must be a number, got {value!r}")
-    return float(plain)
+    try:
+        return float(plain)
+    except OverflowError:  # a whole number of more than 300 digits
+        raise InputError(f"{name} must be a number that fits 64 bits, got a larger one") from None

@@ -7,8 +7,9 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 import typer
 from typer.exceptions import TyperException
@@ -27,6 +28,7 @@ from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
 from sonarbed.commands.worlds import WorldsCommand, worlds
 from sonarbed.encoding import plain_where_needed
+from sonarbed.surroundings import open_streams, quiet_matplotlib
 from sonarmap.errors import InputError
 
 __all__ = ["app", "main"]
@@ -63,10 +65,11 @@ app.command()(acoustics)
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; errors are one line on standard error."""
     arguments = list(sys.argv[1:] if argv is None else argv)
+    open_streams()
     plain_where_needed(sys.stdout, sys.stderr)
     interruption = _Interruption()
     try:
-        with _interruptible(interruption), _modules_of_this_folder():
+        with _interruptible(interruption), _modules_of_this_folder(), quiet_matplotlib():
             code = app(arguments, prog_name="sonarbed", standalone_mode=False)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
@@ -90,6 +93,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         _drop_output()
+        if not Path("..").exists():
+            return _fail("the folder that this is run in does not exist any more")
         return _fail(f"{error.filename or 'output'}: {error.strerror or error}")
     except InputError as error:
         return _fail(str(error))
@@ -115,7 +120,8 @@ def _interruptible(interruption: _Interruption) -> Iterator[None]:
 
     def interrupt(number: int, frame: object) -> None:
         # At once, for to unwind may take a moment; not by `print`, which may be interrupted.
-        os.write(2, f"sonarbed: {_STOPPED}\n".encode())
+        with suppress(OSError):
+            os.write(2, f"sonarbed: {_STOPPED}\n".encode())
         interruption.is_said = True
         raise KeyboardInterrupt
 
@@ -134,7 +140,11 @@ def _interruptible(interruption: _Interruption) -> Iterator[None]:
 @contextmanager
 def _modules_of_this_folder() -> Iterator[None]:
     """Let ``package.module:Name`` find modules of the folder that the command is run in."""
-    folder = os.getcwd()  # noqa: PTH109 - an entry of sys.path is a string
+    try:
+        folder = os.getcwd()  # noqa: PTH109 - an entry of sys.path is a string
+    except FileNotFoundError:  # somebody has removed it
+        yield
+        return
     sys.path.append(folder)
     try:
         yield
@@ -144,7 +154,9 @@ def _modules_of_this_folder() -> Iterator[None]:
 
 def _fail(message: str, code: int = BAD_INPUT) -> int:
     one_line = " ".join(message.split())
-    sys.stderr.write(f"sonarbed: {one_line}\n")
+    with suppress(OSError):  # nobody hears, but the code tells
+        sys.stderr.write(f"sonarbed: {one_line}\n")
+        sys.stderr.flush()
     return code
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -68,7 +69,8 @@ def progress() -> Iterator[Progress]:
         TimeRemainingColumn(),
         console=console,
         transient=True,
-        disable=not console.is_terminal or console.is_dumb_terminal,
+        # Rich takes FORCE_COLOR for a terminal, and a log of CI would show every step.
+        disable=not (console.is_terminal and sys.stderr.isatty()) or console.is_dumb_terminal,
     )
     with bars:
         yield bars

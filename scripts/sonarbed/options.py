@@ -16,6 +16,7 @@ __all__ = [
     "Param",
     "Png",
     "Setting",
+    "check_log_out",
     "check_writable",
     "load_world",
     "make_part",
@@ -31,6 +32,8 @@ Param = Annotated[
     list[str] | None,
     typer.Option("--param", metavar="NAME=VALUE", help="A parameter of it; repeatable."),
 ]
+
+_LOG_SUFFIXES = (".parquet", ".pq", "")
 
 
 def make_part(kind: str, name: str, settings: list[str] | None, **short: Any) -> Any:
@@ -78,14 +81,34 @@ def load_world(name: str, settings: list[str] | None) -> World:
     import worlds
     from sonarmap import InputError
 
-    parameters = {}
+    parameters: dict[str, float] = {}
     for setting in settings or []:
-        key, _, number = setting.partition("=")
+        key, _, text = setting.partition("=")
         try:
-            parameters[key] = float(number)
+            number = float(text)
         except ValueError:
-            raise InputError(f"--set must be NAME=NUMBER, got {setting!r}") from None
+            key = ""
+        # "reader" is how `worlds.load` is told who reads the file, and no room's number.
+        if not key.isidentifier() or key == "reader":
+            raise InputError(f"--set must be NAME=NUMBER, got {setting!r}")
+        if key in parameters:
+            raise InputError(f"--set {key} is given twice")
+        parameters[key] = number
     return worlds.load(name, **parameters)
+
+
+def check_log_out(path: Path) -> None:
+    """Raise `InputError` if no log could be written to `path`, or its name says it is no log."""
+    from sonarmap import InputError
+
+    # A folder or a device is refused for what it is, whatever it is called.
+    is_other = path.exists() and not path.is_file()
+    if not is_other and path.suffix.lower() not in _LOG_SUFFIXES:
+        raise InputError(
+            f"{path}: a log is a Parquet file: its name must end with .parquet or .pq, or have no "
+            "suffix; `sonarbed export` writes other formats"
+        )
+    check_writable(path)
 
 
 def check_writable(path: Path | None, suffix: str = "") -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain, pairwise
@@ -52,6 +54,8 @@ class Bullet(ClosedByWith):
 
     def __init__(self, world: World, start: Pose, *, gui: bool = False) -> None:
         self._p = _pybullet()
+        if gui:
+            _check_display()
         self._client: int | None = self._p.connect(self._p.GUI if gui else self._p.DIRECT)
         if self._client is None or self._client < 0:
             raise InputError("engine 'bullet': no connection (with gui: is there a display?)")
@@ -272,6 +276,31 @@ def _met(body, fraction, normal, origins_xy_m, directions_xy, range_max_m, surfa
     return distance_m, normal_xy, surface
 
 
+def _check_display() -> None:
+    """Raise `InputError` if no window can be shown: PyBullet would end the whole process."""
+    if not sys.platform.startswith("linux"):
+        return
+    where = os.environ.get("DISPLAY")
+    if not where:
+        problem = "DISPLAY is not set"
+    else:
+        try:
+            x11 = ctypes.CDLL("libX11.so.6")
+        except OSError:
+            problem = "libX11.so.6 is not installed"
+        else:
+            x11.XOpenDisplay.restype = ctypes.c_void_p
+            shown = x11.XOpenDisplay(None)
+            if shown:
+                x11.XCloseDisplay(ctypes.c_void_p(shown))
+                return
+            problem = f"nothing answers at DISPLAY={where}"
+    raise InputError(
+        f"gui needs a display to show its window on, and there is none: {problem}; without gui "
+        "nothing is shown, and the log is the same"
+    )
+
+
 def _pybullet() -> Any:
     try:
         with _silent_stderr():  # it greets with its build time
@@ -286,7 +315,11 @@ def _pybullet() -> Any:
 @contextmanager
 def _silent_stderr() -> Iterator[None]:
     """Send what C code writes to standard error away for a moment."""
-    kept = os.dup(2)
+    try:
+        kept = os.dup(2)
+    except OSError:  # it is closed: nobody hears
+        yield
+        return
     try:
         with open(os.devnull, "wb") as nowhere:  # noqa: PTH123 - a device, not a path of ours
             os.dup2(nowhere.fileno(), 2)

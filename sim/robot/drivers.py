@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import cycle
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,7 @@ __all__ = [
     "Waypoints",
     "driver",
     "names",
+    "of",
 ]
 
 # Turning this fast in place, radians a second; assumed, about half of what the robot can.
@@ -131,8 +132,7 @@ class Waypoints:
     def __post_init__(self) -> None:
         positive("speed_mps", self.speed_mps)
         positive("reached_m", self.reached_m)
-        if not self.points_m:
-            raise InputError("points_m must have at least one point, got none")
+        object.__setattr__(self, "points_m", _checked_points(self.points_m))
 
     def begin(self, rng: np.random.Generator) -> Controller:
         """Return the controller of one drive."""
@@ -271,6 +271,11 @@ def route(world: World) -> Waypoints:
     return Waypoints(world.route_m)
 
 
+def auto(world: World) -> Driver:
+    """Return the driver along the route of a world, or, where there is none, one that wanders."""
+    return route(world) if world.route_m else RandomWander()
+
+
 DRIVERS = Registry[Driver | Callable[..., Driver]]("driver", "sonarbed.drivers", catalogue.DRIVERS)
 """A driver, the class of one that is made without arguments, or a function from a world to one."""
 
@@ -306,9 +311,35 @@ def driver(name: str, world: World) -> Driver:
             raise InputError(f"driver {name!r} must be made without arguments: {error}") from error
     elif callable(part):
         made = part(world)
-    if not hasattr(made, "begin"):
-        raise InputError(f"driver {name!r} must be a driver or make one, got {made!r}")
-    return made
+    return _checked(f"driver {name!r}", made, " or make one")
+
+
+def of(driver_or_name: str | Driver, world: World) -> Driver:
+    """Return the driver of a name, or the driver that was given; see `driver`."""
+    if isinstance(driver_or_name, str):
+        return driver(driver_or_name, world)
+    return _checked("driver", driver_or_name)
+
+
+def _checked(what: str, made: Any, or_else: str = "") -> Driver:
+    if isinstance(made, type) or not hasattr(made, "begin"):
+        raise InputError(f"{what} must be a driver{or_else}, got {made!r}")
+    return made  # type: ignore[no-any-return]
+
+
+def _checked_points(points_m: Any) -> tuple[tuple[float, float], ...]:
+    """Return places of (x, y) as they are meant: finite numbers, at least one place."""
+    if isinstance(points_m, str) or not hasattr(points_m, "__len__"):
+        raise InputError(f"points_m must be points (x, y), got {points_m!r}")
+    if not len(points_m):
+        raise InputError("points_m must have at least one point, got none")
+    checked = []
+    for place, point in enumerate(points_m):
+        if isinstance(point, str) or not hasattr(point, "__len__") or len(point) != 2:
+            raise InputError(f"points_m[{place}] must be (x, y) in metres, got {point!r}")
+        x_m, y_m = (finite(f"points_m[{place}]", each) for each in point)
+        checked.append((x_m, y_m))
+    return tuple(checked)
 
 
 def _offset(pose: Pose, point_m: tuple[float, float]) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sim.robot.amigobot import ENCODER_TICKS_PER_TURN, TRACK_M, WHEEL_RADIUS_M
 from sim.robot.kinematics import advance_along_arc
-from sonarmap.errors import InputError, non_negative
+from sonarmap.errors import non_negative, whole
 from sonarmap.kernels.jit import njit
 from worlds import Pose
 
@@ -43,8 +43,7 @@ class OdometryModel:
     slip_std_m: float = 0.001
 
     def __post_init__(self) -> None:
-        if self.ticks_per_turn < 1:
-            raise InputError(f"ticks_per_turn must be >= 1, got {self.ticks_per_turn!r}")
+        whole("ticks_per_turn", self.ticks_per_turn, least=1)
         for name in ("scale_spread", "turn_spread", "slip_std_m"):
             non_negative(name, getattr(self, name))
 

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from sim.runs.parallel import run_all, stop_if_cancelled
-from sim.runs.simulation import simulate
+from sim.runs.parallel import checked_jobs, run_all, stop_if_cancelled
+from sim.runs.simulation import DriveArguments, simulate
 from sonarmap import Cause, InputError, SonarLog
+from sonarmap.account import account_of, contacts_of
+from sonarmap.errors import whole
 from sonarmap.files import atomic_path, make_folder
 from worlds import World
 
@@ -50,13 +52,12 @@ def simulate_many(
     Returns
     -------
     dict
-        ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each its seed, file,
-        readings, readings by cause, and in how many scans the robot touched something.
+        ``world``, ``world_parameters``, ``arguments`` and ``logs``: of each what `log_entry`
+        tells.
     """
-    if jobs < 1:
-        raise InputError(f"jobs must be >= 1, got {jobs!r}")
-    if len(set(seeds)) != len(seeds) or not seeds:
-        raise InputError(f"seeds must be at least one and none twice, got {list(seeds)!r}")
+    jobs, seeds = checked_jobs(jobs), _checked_seeds(seeds)
+    # Refused here, not by the first process that works.
+    DriveArguments.of(world, seed=seeds[0], **arguments)
     folder = make_folder(folder)
     entries: dict[int, dict[str, Any]] = {}
     try:
@@ -81,16 +82,37 @@ def simulate_many(
     return manifest
 
 
+def _checked_seeds(seeds: Any) -> list[int]:
+    if isinstance(seeds, str) or not hasattr(seeds, "__len__"):
+        raise InputError(f"seeds must be whole numbers such as range(10), got {seeds!r}")
+    numbers = [whole(f"seeds[{place}]", seed, least=0) for place, seed in enumerate(seeds)]
+    if len(set(numbers)) != len(numbers) or not numbers:
+        raise InputError(f"seeds must be at least one and none twice, got {numbers!r}")
+    return numbers
+
+
 def log_entry(log: SonarLog, seed: int, file: str) -> dict[str, Any]:
-    """Return what a manifest records of a simulated log, see `simulate_many`."""
+    """Return what a manifest records of a simulated log.
+
+    Its seed, file and scans, of status packets their number too; the readings of the log and how
+    many of them are new, for packets repeat old ones; of the new ones how many have no echo or are
+    too close, and their causes; and in how many scans, or packets, the robot touched something.
+    """
     truth = log.require_truth("the manifest")
-    causes = np.bincount(truth.cause, minlength=len(Cause))
+    new, contacts = ~log.stale, contacts_of(log)
+    assert contacts is not None, "a log with truth"
+    causes = np.bincount(truth.cause[new], minlength=len(Cause))
     return {
         "seed": seed,
         "file": file,
+        "scans": log.provenance["scans"],
+        **({"packets": contacts.of} if contacts.unit == "packets" else {}),
         "readings": len(log),
+        "account": account_of(log, new).to_dict(),
+        "no_echo": int((log.range_m[new] == np.inf).sum()),
+        "too_close": int((log.range_m[new] == -np.inf).sum()),
         "causes": {cause.name: int(causes[cause]) for cause in Cause},
-        "collision_scans": int(np.unique(log.scan[truth.collision]).size),
+        **contacts.to_dict(),
     }
 
 
@@ -104,4 +126,5 @@ def _simulate_one(
 
 
 def _plain(value: Any) -> Any:
-    return value if isinstance(value, str | int | float | bool | None) else repr(value)
+    plain = value.item() if isinstance(value, np.generic) else value
+    return plain if isinstance(plain, str | int | float | bool | None) else repr(plain)

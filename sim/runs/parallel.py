@@ -3,21 +3,43 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import sys
 import threading
-from collections.abc import Callable, Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
+from pathlib import Path
 from typing import TypeVar
 
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, whole
 
-__all__ = ["deaf_children", "interrupts_held_back", "run_all", "stop_if_cancelled"]
+__all__ = [
+    "checked_jobs",
+    "deaf_children",
+    "interrupts_held_back",
+    "run_all",
+    "stop_if_cancelled",
+]
+
+# More processes than this, or four a core, are a slip of the pen: each loads all libraries.
+_MOST_JOBS = 256
+# How a process of ours ends that comes by the call that has made it.
+_UNGUARDED = 97
+# A pool that is broken ends its processes; this is how long it may take, seconds.
+_ENDING_S = 2.0
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
+
+
+def checked_jobs(jobs: int) -> int:
+    """Return a number of processes, or raise `InputError`: at least one, no more than can work."""
+    return whole("jobs", jobs, least=1, most=max(_MOST_JOBS, 4 * (os.cpu_count() or 1)))
 
 
 def run_all(
@@ -40,32 +62,45 @@ def run_all(
         Filled under the number of each task; after an interruption or a failure it holds what
         was finished.
     jobs : int
-        Processes that work at once, >= 1; with 1 all is done in this one.
+        Processes that work at once, see `checked_jobs`; with 1 all is done in this one, and so it
+        is where no process can be made: in a worker of somebody else's pool, or on a system
+        without shared semaphores.
     on_done : callable, optional
         Called with the number of each finished task, for a progress bar.
 
     Raises
     ------
     InputError
-        If a process was killed. What `function` raises comes through as it is.
+        If a process was killed, or ended before it could work: the last as a rule because the
+        script that calls this has no main guard. What `function` raises comes through as it is.
     """
-    if jobs == 1 or len(tasks) <= 1:
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        # A process of ours that reads the script that made it, and comes by the same call again:
+        # there is no main guard. The parent tells.
+        raise SystemExit(_UNGUARDED)
+    # Fresh processes: a forked one would share the threads of engines and compilers.
+    context = multiprocessing.get_context("spawn")
+    alone = checked_jobs(jobs) == 1 or len(tasks) <= 1 or multiprocessing.current_process().daemon
+    try:
+        # Made before any process: the first of its kind starts a helper that unblocks signals.
+        stop = None if alone else context.Event()
+    except (ImportError, OSError):
+        stop = None  # a system without shared semaphores
+    if stop is None:
         for index, task in enumerate(tasks):
             results[index] = function(task)
             if on_done is not None:
                 on_done(index)
         return
-    # Fresh processes: a forked one would share the threads of engines and compilers.
-    context = multiprocessing.get_context("spawn")
-    # Made before any process: the first of its kind starts a helper that unblocks signals.
-    stop = context.Event()
     futures: dict[Future[Result], int] = {}
+    begun: set[BaseProcess] = set()
     try:
         with ProcessPoolExecutor(min(jobs, len(tasks)), context, _begin, (stop,)) as pool:
             try:
-                with interrupts_held_back():
+                with interrupts_held_back(), _readable_main():
                     for index, task in enumerate(tasks):
                         futures[pool.submit(function, task)] = index
+                begun = {*multiprocessing.active_children()}
                 for future in as_completed(futures):
                     results[futures[future]] = future.result()
                     if on_done is not None:
@@ -77,11 +112,39 @@ def run_all(
                 pool.shutdown(cancel_futures=True)
                 raise
     except BrokenProcessPool:
-        raise InputError("a process was killed (out of memory?): give it fewer jobs") from None
+        raise InputError(_why_broken(begun)) from None
     finally:
         for future, index in futures.items():
             if future.done() and not future.cancelled() and future.exception() is None:
                 results[index] = future.result()
+
+
+@contextmanager
+def _readable_main() -> Iterator[None]:
+    """Let processes that begin in the block not look for a script that came by a pipe."""
+    main = sys.modules["__main__"]
+    file = getattr(main, "__file__", None)
+    if file is None or Path(file).is_file():
+        yield
+        return
+    del main.__file__
+    try:
+        yield
+    finally:
+        main.__file__ = file
+
+
+def _why_broken(begun: Iterable[BaseProcess]) -> str:
+    """Return why processes ended that should have worked, and what helps."""
+    guard = 'a script that starts processes must do so below `if __name__ == "__main__":`'
+    for process in begun:
+        process.join(_ENDING_S)
+    codes = {process.exitcode for process in begun if process.exitcode}
+    if _UNGUARDED in codes:
+        return f"the processes came by the call that starts them: {guard}"
+    if any(code > 0 for code in codes):
+        return f"a process ended before it could work, its reason is above; {guard}"
+    return "a process was killed (out of memory?): give it fewer jobs"
 
 
 def stop_if_cancelled() -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
 import numpy as np
 
-from sim.engines.opening import open_engine
+from sim.engines.opening import ENGINES, open_engine
 from sim.robot import drivers
 from sim.robot.clock import check_steps
 from sim.robot.drivers import Driver, Sensed
@@ -18,12 +19,74 @@ from sim.runs.motion import Motion, transducers
 from sim.runs.packets import StatusPackets
 from sim.runs.recorder import Recorder
 from sim.sonar import presets as sonars
-from sim.sonar.firing import check_firing, pings
+from sim.sonar.firing import Firing, check_firing, fitted, pings
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, SonarLog
+from sonarmap.errors import flag, instance, whole
 from worlds import World
 
-__all__ = ["simulate"]
+__all__ = ["MOST_SCANS", "DriveArguments", "simulate"]
+
+MOST_SCANS = 10_000_000
+"""Longest drive in scans: the log of a longer one, 80 million readings, would fill the memory."""
+
+
+@dataclass(frozen=True)
+class DriveArguments:
+    """What `simulate` is asked for, checked and with every name looked up; see there."""
+
+    world: World
+    scans: int
+    seed: int
+    driver: Driver
+    sonar: Sonar
+    firing: Firing
+    engine: str
+    odometry: OdometryModel
+    packets: StatusPackets | None
+    gui: bool
+
+    @classmethod
+    def of(
+        cls,
+        world: World,
+        *,
+        scans: int,
+        seed: int,
+        driver: str | Driver = "auto",
+        sonar: str | Sonar = "physical",
+        engine: str = "bullet",
+        odometry: OdometryModel | None = None,
+        packets: StatusPackets | None = None,
+        gui: bool = False,
+    ) -> DriveArguments:
+        """Return the arguments, or raise `InputError` with the first that breaks its rule."""
+        instance("world", world, World, "worlds.load(name) returns one")
+        scans, seed = whole("scans", scans, least=1), whole("seed", seed, least=0)
+        if scans > MOST_SCANS:
+            raise InputError(
+                f"scans must be <= {MOST_SCANS}, for the log of more would not fit into the "
+                f"memory, got {scans}"
+            )
+        sonar_used = sonars.of(sonar)
+        firing = fitted(sonar_used.firing, len(sonar_used.ring))
+        check_firing(firing, len(sonar_used.ring))
+        if packets is not None:
+            instance("packets", packets, StatusPackets, "StatusPackets() are a Pioneer's")
+            check_steps("packets.period_s", packets.period_s)
+        ENGINES.find(engine)
+        return cls(
+            world,
+            scans,
+            seed,
+            drivers.of(driver, world),
+            sonar_used,
+            firing,
+            engine,
+            OdometryModel() if odometry is None else instance("odometry", odometry, OdometryModel),
+            packets,
+            flag("gui", gui),
+        )
 
 
 def simulate(
@@ -31,7 +94,7 @@ def simulate(
     *,
     scans: int,
     seed: int,
-    driver: str | Driver = "thesis",
+    driver: str | Driver = "auto",
     sonar: str | Sonar = "physical",
     engine: str = "bullet",
     odometry: OdometryModel | None = None,
@@ -46,12 +109,13 @@ def simulate(
     world : World
         The room, see `worlds.load`.
     scans : int
-        How many scans to take, >= 1. The first is taken at the start, at rest.
+        How many scans to take, 1 to `MOST_SCANS`. The first is taken at the start, at rest.
     seed : int
         Seed of all that is random, >= 0. The same world, arguments and seed give the same log,
         bit for bit, on one machine.
     driver : str or Driver
-        Who drives: a name that `sim.robot.drivers.driver` knows, or a driver.
+        Who drives: a name that `sim.robot.drivers.driver` knows, or a driver. "auto" follows
+        the world's route, if it has one, and wanders otherwise.
     sonar : str or Sonar
         The sonars: a name that `sim.sonar.presets.preset` knows, or a sonar. By default those
         that behave like sonars; "thesis" is the simple cone, quicker and easier to reason about.
@@ -77,31 +141,34 @@ def simulate(
     Raises
     ------
     InputError
-        If a name is unknown, a number breaks its rule, or the robot does not fit at the start.
+        If a name is unknown, an argument is of a wrong type or breaks its rule, or the robot does
+        not fit at the start.
     """
-    if scans < 1:
-        raise InputError(f"scans must be >= 1, got {scans!r}")
-    if seed < 0:
-        raise InputError(f"seed must be >= 0, got {seed!r}")
-    sonar_used = sonars.preset(sonar) if isinstance(sonar, str) else sonar
-    driver_used = drivers.driver(driver, world) if isinstance(driver, str) else driver
-    odometry = OdometryModel() if odometry is None else odometry
-    firing, ring = sonar_used.firing, sonar_used.ring
-    check_firing(firing, len(ring))
-    if packets is not None:
-        check_steps("packets.period_s", packets.period_s)
+    asked = DriveArguments.of(
+        world,
+        scans=scans,
+        seed=seed,
+        driver=driver,
+        sonar=sonar,
+        engine=engine,
+        odometry=odometry,
+        packets=packets,
+        gui=gui,
+    )
+    firing, ring = asked.firing, asked.sonar.ring
 
     # A stream each, so that one does not shift when another draws more.
-    noise_rng, odometry_rng, driver_rng = np.random.default_rng(seed).spawn(3)
-    with open_engine(engine, world, gui=gui) as robot:
+    noise_rng, odometry_rng, driver_rng = np.random.default_rng(asked.seed).spawn(3)
+    with open_engine(engine, world, gui=asked.gui) as robot:
         recorder = Recorder(ring, world, packets)
-        odometer = Odometer(odometry, robot.pose, odometry_rng)
+        odometer = Odometer(asked.odometry, robot.pose, odometry_rng)
         motion = Motion(robot, odometer)
         send_packets = _packet_sender(motion, recorder, packets)
-        array = sonar_used.array(robot, world, noise_rng)
-        control = driver_used.begin(driver_rng)
+        array = asked.sonar.array(robot, world, noise_rng)
+        control = asked.driver.begin(driver_rng)
         newest_m = np.full(len(ring), np.inf)
-        for scan, in_scan in groupby(pings(firing, len(ring), scans=scans), lambda ping: ping.scan):
+        schedule = pings(firing, len(ring), scans=asked.scans)
+        for scan, in_scan in groupby(schedule, lambda ping: ping.scan):
             fired: list[int] = []
             for ping in in_scan:
                 send_packets(ping.time_s)
@@ -118,17 +185,17 @@ def simulate(
             # The driver decides once a scan, when its last sonar has been read.
             sensed = Sensed(motion.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
             motion.speeds_mps = control(sensed)
-        send_packets(scans * firing.period_s)  # the last packets have the last readings
+        send_packets(asked.scans * firing.period_s)  # the last packets have the last readings
     return recorder.log(
         {
             "world": world.name,
             "world_parameters": dict(world.parameters),
-            "seed": seed,
-            "scans": scans,
-            "driver": _described(driver_used),
-            "sonar": _described(sonar_used),
+            "seed": asked.seed,
+            "scans": asked.scans,
+            "driver": _described(asked.driver),
+            "sonar": _described(asked.sonar),
             "engine": engine,
-            "odometry": _described(odometry),
+            "odometry": _described(asked.odometry),
             **({} if packets is None else {"packets": _described(packets)}),
         }
     )

@@ -4,17 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from sim.robot.clock import check_steps
 from sonarmap import InputError
-from sonarmap.errors import non_negative, positive
+from sonarmap.errors import non_negative, positive, whole
 
-__all__ = ["AllAtOnce", "Eeruf", "Firing", "InTurn", "Ping", "Slot", "check_firing", "pings"]
+__all__ = [
+    "AllAtOnce",
+    "Eeruf",
+    "Firing",
+    "InTurn",
+    "Ping",
+    "Slot",
+    "check_firing",
+    "fitted",
+    "pings",
+]
 
-_EIGHT = tuple(range(8))
+
+class _WholeRing(tuple[int, ...]):
+    """The order in which all sonars of a ring fire, whatever their number; else a plain tuple."""
+
+    __slots__ = ()
+
+    @classmethod
+    def of(cls, sonars: int) -> _WholeRing:
+        return cls(range(sonars))
+
+
+# Of the AmigoBot's eight sonars until the schedule meets another ring.
+_IN_ORDER = _WholeRing.of(8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,21 +100,44 @@ def pings(firing: Firing, sonars: int, *, scans: int | None = None) -> Iterator[
     Parameters
     ----------
     firing : Firing
-        The schedule.
+        The schedule; without an order of its own it is that of all sonars, see `fitted`.
     sonars : int
         How many sonars the ring has.
     scans : int, optional
         Of so many scans, counted from 0; by default for ever.
     """
+    firing = fitted(firing, sonars)
     for scan in count() if scans is None else range(scans):
         begin_s = scan * firing.period_s
         for slot in firing.slots(scan, sonars):
             yield Ping(scan, slot.offset_s, begin_s + slot.offset_s, slot.sonars)
 
 
+def fitted(firing: Firing, sonars: int) -> Firing:
+    """Return the schedule of a ring: one that was given no order takes all sonars in turn.
+
+    Parameters
+    ----------
+    firing : Firing
+        The schedule.
+    sonars : int
+        How many sonars the ring has.
+
+    Raises
+    ------
+    InputError
+        If it does not fit: its order names a sonar that is not there, or its times are too short
+        for so many.
+    """
+    if isinstance(getattr(firing, "order", None), _WholeRing):
+        firing = replace(firing, order=_of_ring(firing.order, sonars))  # type: ignore[type-var, attr-defined]
+    firing.check(sonars)
+    return firing
+
+
 def check_firing(firing: Firing, sonars: int) -> None:
     """Raise `InputError` if a ring of so many sonars cannot fire between steps of the physics."""
-    firing.check(sonars)
+    firing = fitted(firing, sonars)
     check_steps("scan_period_s", firing.period_s)
     # Two scans: EERUF's delays alternate.
     offsets = {ping.offset_s for ping in pings(firing, sonars, scans=2)}
@@ -140,14 +185,15 @@ class InTurn:
         p. 34; taken over for the AmigoBot).
     order : tuple of int
         Numbers of the sonars as they fire; as on the board some may be left out or come twice.
+        By default all sonars of the ring, whatever their number; eight until it meets a ring.
     """
 
     slot_s: float = 0.040
-    order: tuple[int, ...] = _EIGHT
+    order: tuple[int, ...] = _IN_ORDER
 
     def __post_init__(self) -> None:
         positive("slot_s", self.slot_s)
-        _check_order(self.order)
+        object.__setattr__(self, "order", _checked_order(self.order))
 
     @property
     def period_s(self) -> float:
@@ -161,11 +207,12 @@ class InTurn:
 
     def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
         """Return a slot for each sonar of the order."""
-        return tuple(Slot(i * self.slot_s, (sonar,)) for i, sonar in enumerate(self.order))
+        order = _of_ring(self.order, sonars)
+        return tuple(Slot(i * self.slot_s, (sonar,)) for i, sonar in enumerate(order))
 
     def check(self, sonars: int) -> None:
         """Raise `InputError` if the order names a sonar that the ring does not have."""
-        _check_order(self.order, sonars)
+        _checked_order(_of_ring(self.order, sonars), sonars)
 
 
 @dataclass(frozen=True)
@@ -188,13 +235,14 @@ class Eeruf:
         cross-talk of the n-th neighbour moves by n times their difference: with 5 ms a range
         changes by 0.86 m. The numbers are assumed.
     order : tuple of int
-        Numbers of the sonars as they fire.
+        Numbers of the sonars as they fire, none twice. By default all sonars of the ring, whatever
+        their number; eight until it meets a ring.
     """
 
     period_s: float = 0.100
     lag_even_s: float = 0.010
     lag_odd_s: float = 0.005
-    order: tuple[int, ...] = _EIGHT
+    order: tuple[int, ...] = _IN_ORDER
 
     def __post_init__(self) -> None:
         positive("period_s", self.period_s)
@@ -204,7 +252,7 @@ class Eeruf:
             raise InputError(
                 f"lag_odd_s must differ from lag_even_s, got {self.lag_odd_s!r} for both"
             )
-        _check_order(self.order)
+        object.__setattr__(self, "order", _checked_order(self.order))
         if len(set(self.order)) != len(self.order):
             raise InputError(f"order must name no sonar twice, got {self.order!r}")
         if self.listening_s <= 0:
@@ -221,17 +269,28 @@ class Eeruf:
     def slots(self, scan: int, sonars: int) -> tuple[Slot, ...]:
         """Return a slot for each sonar of the order, closer in odd scans or in even ones."""
         lag_s = self.lag_odd_s if scan % 2 else self.lag_even_s
-        return tuple(Slot(i * lag_s, (sonar,)) for i, sonar in enumerate(self.order))
+        order = _of_ring(self.order, sonars)
+        return tuple(Slot(i * lag_s, (sonar,)) for i, sonar in enumerate(order))
 
     def check(self, sonars: int) -> None:
         """Raise `InputError` if the order names a sonar that the ring does not have."""
-        _check_order(self.order, sonars)
+        _checked_order(_of_ring(self.order, sonars), sonars)
 
 
-def _check_order(order: tuple[int, ...], sonars: int | None = None) -> None:
-    if not order:
+def _of_ring(order: tuple[int, ...], sonars: int) -> tuple[int, ...]:
+    """Return the order as a ring of so many sonars has it."""
+    return _WholeRing.of(sonars) if isinstance(order, _WholeRing) else order
+
+
+def _checked_order(order: Any, sonars: int | None = None) -> tuple[int, ...]:
+    """Return an order of whole numbers, all of the ring's if their number is known."""
+    if isinstance(order, str) or not hasattr(order, "__len__"):
+        raise InputError(f"order must be the numbers of sonars, got {order!r}")
+    if not len(order):
         raise InputError("order must name at least one sonar, got none")
-    for place, sonar in enumerate(order):
+    numbers = tuple(whole(f"order[{place}]", sonar) for place, sonar in enumerate(order))
+    for place, sonar in enumerate(numbers):
         if sonar < 0 or (sonars is not None and sonar >= sonars):
             rule = ">= 0" if sonars is None else f"0 to {sonars - 1}"
             raise InputError(f"order[{place}] must be {rule}, got {sonar!r}")
+    return order if isinstance(order, _WholeRing) else numbers

@@ -13,7 +13,7 @@ from sim.sonar.protocol import Sonar
 from sonarmap import AMIGOBOT, InputError, ring
 from sonarmap.registry import Registry
 
-__all__ = ["ARIA", "PHYSICAL", "PRESETS", "THESIS", "WEBOTS", "preset"]
+__all__ = ["ARIA", "PHYSICAL", "PRESETS", "THESIS", "WEBOTS", "of", "preset"]
 
 THESIS = ConeSonar("thesis", AMIGOBOT, scan_period_s=0.175)
 """175 ms: Rashid 2006, p. 59; 0.165 to 3.0 m: p. 56."""
@@ -56,6 +56,11 @@ def preset(name: str) -> Sonar:
     return PRESETS.find(name)
 
 
+def of(sonar: str | Sonar) -> Sonar:
+    """Return the sonar of a name, or the sonar that was given; see `preset`."""
+    return preset(sonar) if isinstance(sonar, str) else _checked("sonar", sonar)
+
+
 def _sonar(name: str, part: Any) -> Sonar:
     """Return the sonar that a part is or makes."""
     made = part
@@ -64,6 +69,12 @@ def _sonar(name: str, part: Any) -> Sonar:
             made = part()
         except TypeError as error:
             raise InputError(f"sonar {name!r} must be made without arguments: {error}") from error
-    if not all(hasattr(made, need) for need in ("ring", "firing", "array")):
-        raise InputError(f"sonar {name!r} must be a sonar or make one, got {made!r}")
-    return made  # type: ignore[no-any-return]
+    return _checked(f"sonar {name!r}", made, " or make one")
+
+
+def _checked(what: str, sonar: Any, or_else: str = "") -> Sonar:
+    # A class has what its instances have.
+    has_all = all(hasattr(sonar, need) for need in ("ring", "firing", "array"))
+    if isinstance(sonar, type) or not has_all:
+        raise InputError(f"{what} must be a sonar{or_else}, got {sonar!r}")
+    return sonar  # type: ignore[no-any-return]

@@ -9,6 +9,8 @@ from sonarmap.errors import (
     did_you_mean,
     finite,
     first_row,
+    flag,
+    instance,
     non_negative,
     positive,
     whole,
@@ -22,6 +24,19 @@ def unit(name, value):
 
 def least_one(name, value):
     return whole(name, value, least=1)
+
+
+def at_most_nine(name, value):
+    return whole(name, value, most=9)
+
+
+def a_text(name, value):
+    return instance(name, value, str, "quote it")
+
+
+@pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
+def test_what_is_true_is_true_whatever_its_type(value):
+    assert flag("quick", value) is True
 
 
 @pytest.mark.parametrize("value", [3, 3.0, np.int16(3), np.float32(3), np.array(3)])
@@ -73,6 +88,12 @@ def test_what_keeps_the_rule_is_returned_as_a_float(check, value):
         (whole, math.nan, "speed must be a whole number, got nan"),
         (whole, "2", "speed must be a number, got '2'"),
         (least_one, 0, "speed must be >= 1, got 0"),
+        (at_most_nine, 10, "speed must be <= 9, got 10"),
+        (finite, 10**400, "speed must be a number that fits 64 bits, got a larger one"),
+        (flag, "False", "speed must be True or False, got 'False'"),
+        (flag, 1, "speed must be True or False, got 1"),
+        (flag, None, "speed must be True or False, got None"),
+        (a_text, 3, "speed must be a str, got 3: quote it"),
     ],
 )
 def test_what_breaks_the_rule_is_refused_with_name_rule_and_value(check, value, rule):

@@ -23,14 +23,13 @@ def acoustics(
 
     Example: sonarbed acoustics --quick --out acoustics
     """
+    from sim.runs.parallel import checked_jobs
     from sonarbed.console import progress, say
     from sonarbed.reporting.context import StudyContext
     from sonarbed.reporting.report import write_report
     from sonarbed.studies.acoustics import PARTS, load
-    from sonarmap.errors import InputError
 
-    if jobs < 1:
-        raise InputError(f"--jobs must be >= 1, got {jobs}")
+    checked_jobs(jobs)
     with progress() as bars:
         overall = bars.add_task("parts", total=len(PARTS))
         current = bars.add_task("", total=1)

@@ -18,6 +18,12 @@ def demo(
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     seed: Annotated[int, typer.Option(help="Seed of all that is random.")] = 0,
     sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "thesis",
+    driver: Annotated[
+        str,
+        typer.Option(
+            help=f"{listed(simulator('drivers'))}. Auto is the room's route, else wander."
+        ),
+    ] = "auto",
 ) -> None:
     """Drive in a room, run HSR, map with both sensor models, score and picture the maps.
 
@@ -31,11 +37,14 @@ def demo(
     import sim
     import sonarmap as sm
     import worlds
+    from sim.runs.simulation import DriveArguments
     from sonarbed.console import as_json, print_table, progress, say, score_rows
     from sonarbed.reporting.pictures import draw_demo
+    from sonarmap.account import account_by, contacts_of
     from sonarmap.files import atomic_path, make_folder
 
     room = worlds.load(world)
+    DriveArguments.of(room, scans=scans, seed=seed, driver=driver, sonar=sonar)
     folder = make_folder(out)
     with progress() as bars:
         driving = bars.add_task("driving, scans", total=scans)
@@ -43,11 +52,13 @@ def demo(
             room,
             scans=scans,
             seed=seed,
+            driver=driver,
             sonar=sonar,
             on_scan=lambda scan: bars.advance(driving),
         )
         bars.add_task("mapping, scoring, drawing", total=None)
-        mended = sm.hsr(log, sm.HsrParams.thesis(log.ring)).log
+        repaired = sm.hsr(log, sm.HsrParams.thesis(log.ring))
+        mended = repaired.log
         truth = worlds.truth(room)
         observable = truth.observable(log)
         maps = {
@@ -60,6 +71,15 @@ def demo(
             for name, built in maps.items()
         }
         rows = score_rows(scores)
+        # Both models use the same readings of a log.
+        method = sm.method("bayes-parameterized")
+        account, after = (account_by(each, method) for each in (log, mended))
+        contacts = contacts_of(log)
+        assert contacts is not None, "a simulated log"
+        notes = [
+            f"{account}; after HSR, which updated {int(repaired.updated.sum())}: {after}",
+            *([str(contacts)] if contacts.touched else []),
+        ]
 
         # Written when all is computed: an interrupted demo does not mix with an older one.
         log.write(folder / "log.parquet")
@@ -69,8 +89,10 @@ def demo(
             built.save(folder / f"map-{name.lower().replace(' + ', '-')}")
         with atomic_path(folder / "scores.json") as path:
             path.write_text(as_json(scores), encoding="utf-8")
-        draw_demo(room, log, truth, observable, maps, rows, folder / "demo.png")
+        draw_demo(room, log, truth, observable, maps, rows, folder / "demo.png", notes)
     print_table(f"{room.name}, {scans} scans: maps against the truth", ["score", *maps], rows)
+    for note in notes:
+        say(note)
     say(
         f"Written to {folder}/: log.parquet, log-hsr.parquet, truth.npz, map-*/, scores.json, "
         "demo.png"

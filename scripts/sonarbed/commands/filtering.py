@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from sonarbed.choices import listed
-from sonarbed.options import Json, Param, check_writable, make_part
+from sonarbed.options import Json, Param, check_log_out, make_part
 from sonarmap.catalogue import FILTERS
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def check_output(log: Path, out: Path) -> None:
 
     if log.resolve() == out.resolve():
         raise InputError(f"--out must be another file than the log, got {str(out)!r}")
-    check_writable(out)
+    check_log_out(out)
 
 
 def _facts(before: SonarLog, made: Filtered) -> dict[str, int]:

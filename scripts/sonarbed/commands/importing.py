@@ -8,10 +8,12 @@ from typing import Annotated
 import typer
 
 from sonarbed.choices import listed
-from sonarbed.options import Json, check_writable
+from sonarbed.options import Json, check_log_out
 from sonarmap.catalogue import IMPORTERS, RINGS
 
 __all__ = ["import_"]
+
+_UNUSED = ("stale", "rejected", "too_close")
 
 
 def _formats() -> str:
@@ -60,20 +62,23 @@ def import_(
 
     import sonarmap as sm
     from sonarbed.console import print_json, print_table
+    from sonarmap.account import account_of
 
-    check_writable(out)
+    check_log_out(out)
     log = sm.import_log(files, format_, None if ring is None else sm.ring(ring))
     if not keep_stale:
         log = sm.mark_stale(log)
     log.write(out)
+    account, usable = account_of(log), log.usable
     facts = {
         "file": str(out),
         "scans": int(np.unique(log.scan).size),
-        "readings": len(log),
         "seconds": round(float(log.time_s[-1] - log.time_s[0]), 3),
-        "no_echo": int(np.isposinf(log.range_m).sum()),
-        "too_close": int(np.isneginf(log.range_m).sum()),
-        "stale": int(log.stale.sum()),
+        # Each reading counts once: what is stale or rejected is neither too close nor silent.
+        "readings": account.readings,
+        **{name: account.unused.get(name.replace("_", " "), 0) for name in _UNUSED},
+        "used": account.used,
+        "no_echo": int((usable & np.isposinf(log.range_m)).sum()),
     }
     if as_json:
         print_json(facts)

@@ -101,7 +101,7 @@ def map_(
     """
     import sonarmap as sm
     from sonarbed.console import print_json, say, working
-    from sonarmap.account import account_of
+    from sonarmap.account import account_by, contacts_of
     from sonarmap.mapping import grid_for
 
     check_writable(png, ".png")
@@ -127,8 +127,8 @@ def map_(
             from sonarbed.reporting.pictures import draw_map
 
             draw_map(built, filtered.log, png)
-    uses = getattr(chosen, "uses", None)
-    account = account_of(filtered.log, None if uses is None else uses(filtered.log))
+    contacts = contacts_of(readings)
+    account = account_by(filtered.log, chosen)
     sensor_model = getattr(chosen, "sensor_model", None)
     if as_json:
         print_json(
@@ -138,6 +138,7 @@ def map_(
                 "cols": grid.cols,
                 "resolution_m": grid.resolution_m,
                 "account": account.to_dict(),
+                **({} if contacts is None else contacts.to_dict()),
                 "method": repr(chosen),
                 "filters": [repr(each) for each in pipeline.filters],
                 "model": None if sensor_model is None else repr(sensor_model(readings.ring)),
@@ -147,6 +148,8 @@ def map_(
     name = pipeline.name if sensor_model is None else type(sensor_model(readings.ring)).__name__
     say(f"{len(readings)} readings, {name}, {grid.rows} x {grid.cols} cells")
     say(f"{account}")
+    if contacts is not None and contacts.touched:
+        say(str(contacts))
     say(f"Map: {out}/map.yaml, map.pgm (ROS map_server), map.npz")
     if png is not None:
         say(f"Drawn: {png}")

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from sonarbed.choices import listed, simulator
-from sonarbed.options import Json, Setting, check_writable
+from sonarbed.options import Json, Setting, check_log_out
 
 if TYPE_CHECKING:
+    from sonarmap.account import ContactAccount, ReadingAccount
     from worlds import World
 
 __all__ = ["simulate"]
@@ -30,8 +32,10 @@ def simulate(
     scans: Annotated[int, typer.Option(help="How many scans to take.")] = 500,
     driver: Annotated[
         str,
-        typer.Option(help=f"{listed(simulator('drivers'))}."),
-    ] = "thesis",
+        typer.Option(
+            help=f"{listed(simulator('drivers'))}. Auto is the room's route, else wander."
+        ),
+    ] = "auto",
     sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "physical",
     packets: Annotated[
         bool,
@@ -79,15 +83,18 @@ def simulate(
     if as_json:
         print_json(told)
     else:
-        _print_causes(f"{room.name}: {out}, {len(seeds)} x {scans} scans", logs)
+        in_packets = f" in {_sum(logs, 'packets')} packets" if packets else ""
+        _print_causes(f"{room.name}: {out}, {len(seeds)} x {scans} scans{in_packets}", logs)
 
 
 def _one(room: World, out: Path, seed: int, arguments: dict[str, Any]) -> dict[str, Any]:
     import sim
     from sim.runs.many import log_entry
+    from sim.runs.simulation import DriveArguments
     from sonarbed.console import progress
 
-    check_writable(out)
+    DriveArguments.of(room, seed=seed, **arguments)  # before a folder is made for the log
+    check_log_out(out)
     with progress() as bars:
         task = bars.add_task(f"{room.name}, scans", total=arguments["scans"])
         log = sim.simulate(room, seed=seed, on_scan=lambda scan: bars.advance(task), **arguments)
@@ -116,34 +123,59 @@ def _many(
 def _seeds(text: str) -> range:
     from sonarmap import InputError
 
-    first, colon, last = text.partition(":")
-    try:
-        seeds = range(int(first), int(last) if colon else int(first) + 1)
-    except ValueError:
-        seeds = range(0)
-    if not seeds or seeds[0] < 0:
-        raise InputError(f"--seed must be a number >= 0 or a range such as 0:20, got {text!r}")
-    if len(seeds) > _MOST_SEEDS:
+    # What `int` takes besides, as "1_0" or " 1", is a slip of the pen.
+    found = re.fullmatch(r"([0-9]{1,100})(?::([0-9]{1,100}))?", text)
+    first, last = (0, 0) if found is None else (int(found[1]), int(found[2] or int(found[1]) + 1))
+    if first >= last:
+        raise InputError(
+            f"--seed must be a whole number >= 0 or a range such as 0:20, got {text!r}"
+        )
+    if last - first > _MOST_SEEDS:
         raise InputError(f"--seed must be at most {_MOST_SEEDS} seeds, got {text!r}")
-    return seeds
+    return range(first, last)
+
+
+def _sum(logs: list[dict[str, Any]], name: str) -> int:
+    return sum(entry[name] for entry in logs)
 
 
 def _print_causes(title: str, logs: list[dict[str, Any]]) -> None:
     from sonarbed.console import print_table, say
 
-    readings = sum(entry["readings"] for entry in logs)
+    account, contacts = _accounts(logs)
     counts = {name: sum(entry["causes"][name] for entry in logs) for name in logs[0]["causes"]}
+    counts |= {"all": account.used}
+    counts |= {f"  {name}": _sum(logs, name) for name in ("no_echo", "too_close")}
     print_table(
         title,
         ["cause", "readings", "share"],
         [
-            *(
-                [name.lower().replace("_", " "), str(count), f"{count / readings:.1%}"]
-                for name, count in counts.items()
-            ),
-            ["all", str(readings), "100.0%"],
+            [name.lower().replace("_", " "), str(count), f"{count / account.used:.1%}"]
+            for name, count in counts.items()
         ],
     )
-    touched = sum(entry["collision_scans"] for entry in logs)
-    if touched:
-        say(f"In {touched} scans the robot touched something: odometry is off.")
+    if account.unused:
+        say(f"{account}.")
+    if contacts.touched:
+        say(str(contacts))
+
+
+def _accounts(logs: list[dict[str, Any]]) -> tuple[ReadingAccount, ContactAccount]:
+    """Return what became of the readings of all logs, and how often the robot touched something."""
+    from sonarmap.account import ContactAccount, ReadingAccount
+
+    unit = "packets" if "packets" in logs[0] else "scans"
+    return (
+        sum(
+            (
+                ReadingAccount(
+                    entry["account"]["in_log"],
+                    entry["account"]["used"],
+                    {n.replace("_", " "): c for n, c in entry["account"]["unused"].items()},
+                )
+                for entry in logs
+            ),
+            ReadingAccount(0, 0, {}),
+        ),
+        ContactAccount(_sum(logs, f"collision_{unit}"), _sum(logs, unit), unit),
+    )

@@ -31,16 +31,15 @@ def thesis(
 
     Example: sonarbed thesis --quick --out report
     """
+    from sim.runs.parallel import checked_jobs
     from sim.sonar.presets import preset
     from sonarbed.console import progress, say
     from sonarbed.reporting.context import StudyContext
     from sonarbed.studies.thesis import STUDIES, load
     from sonarbed.studies.thesis.questions import ThesisSection
     from sonarbed.studies.thesis.report import write_thesis_report
-    from sonarmap.errors import InputError
 
-    if jobs < 1:
-        raise InputError(f"--jobs must be >= 1, got {jobs}")
+    checked_jobs(jobs)
     preset(sonar)  # an unknown one ends here, before it has claimed the folder
     wanted = list(study or STUDIES)
     runs = {name: load(name) for name in wanted}

@@ -78,6 +78,8 @@ def tune(
         ) from None
     from sonarbed.console import as_json as json_text
     from sonarbed.console import print_json, print_table, progress, say
+    from sonarbed.reporting.drives import account_of_drives
+    from sonarbed.reporting.wording import interval_over
     from sonarbed.studies.tuning.judging import BEST, check_judges
     from sonarbed.studies.tuning.judging import judge as judge_in
     from sonarbed.studies.tuning.picture import draw_search
@@ -108,6 +110,12 @@ def tune(
         everywhere = judge_in(
             search, (*settings.train, *judges), candidates, jobs=jobs, on_progress=show
         )
+        readings = {
+            part: account_of_drives(
+                search.drives, settings.drives(rooms), candidates["thesis"].pipeline.method
+            )
+            for part, rooms in (("training", settings.train), ("judged", judges))
+        }
     training, judged = everywhere.only(settings.train), everywhere.only(judges)
     results: dict[str, Any] = {
         "settings": settings.to_dict(),
@@ -117,6 +125,7 @@ def tune(
         "trials": len(found.trials),
         "best_trial": found.best.number,
         "parameters": {name: each.to_dict() for name, each in candidates.items()},
+        "readings": {part: used.to_dict() for part, used in readings.items()},
         "training": training.to_dict(),
         "judged": judged.to_dict(),
     }
@@ -134,10 +143,13 @@ def tune(
     )
     for title, result in (("Tuned on", training), ("Judged on", judged)):
         print_table(
-            f"{title}: {score} (95 % over {seeds} seeds)",
+            f"{title}: {score} ({interval_over(seeds)})",
             ["", *result.places],
             _score_rows(result),
         )
+    for title, used in (("Tuned on", readings["training"]), ("Judged on", readings["judged"])):
+        for line in used.lines:
+            say(f"{title}: {line}")
     say(f"Written: {results_file}, {picture}; the study: {search.kept.shown_url}")
 
 

@@ -19,9 +19,17 @@ import sonarmap as sm
 import worlds
 from sim import Driver, Sonar, StatusPackets
 from sonarbed.reporting.parallel import OnProgress, no_progress, parallel_map
+from sonarmap.account import ContactAccount, ReadingAccount, account_by, contacts_of
 from sonarmap.errors import InputError
 
-__all__ = ["DriveSpec", "DriveStore", "ScorableDrive", "usual_driver"]
+__all__ = [
+    "DriveSpec",
+    "DriveStore",
+    "DrivesAccount",
+    "ScorableDrive",
+    "account_of_drives",
+    "usual_driver",
+]
 
 # Where the provenance of a stored log says which drive it is.
 _KEY = "drive"
@@ -33,7 +41,7 @@ _KEPT = 64
 
 @lru_cache(maxsize=_KEPT)
 def usual_driver(room: str) -> str:
-    """Return who drives in a room: along its route if it has one, else on the thesis's circle."""
+    """Return who drives in the studies: along a room's route, else on the thesis's own circle."""
     return "route" if worlds.load(room).route_m else "thesis"
 
 
@@ -66,7 +74,7 @@ class DriveSpec:
     room: str
     scans: int
     seed: int
-    driver: str | Driver = "thesis"
+    driver: str | Driver = "auto"
     sonar: str | Sonar = "thesis"
     engine: str = "bullet"
     packets: StatusPackets | None = None
@@ -201,6 +209,50 @@ class DriveStore:
 
     def _simulate(self, spec: DriveSpec) -> None:
         spec.simulate().write(self.path_of(spec))
+
+
+@dataclass(frozen=True)
+class DrivesAccount:
+    """What became of the readings of some drives, and how often the robots touched something.
+
+    Parameters
+    ----------
+    drives : int
+        How many drives.
+    readings : ReadingAccount
+        Of all their readings.
+    contacts : ContactAccount
+        Of all their scans.
+    """
+
+    drives: int
+    readings: ReadingAccount
+    contacts: ContactAccount
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Lines for people."""
+        drives = "1 drive" if self.drives == 1 else f"{self.drives} drives"
+        touched = (str(self.contacts),) if self.contacts.touched else ()
+        return (f"{drives}, {self.readings}", *touched)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as JSON-able values."""
+        return {"drives": self.drives, **self.readings.to_dict(), **self.contacts.to_dict()}
+
+
+def account_of_drives(
+    store: DriveStore, specs: Sequence[DriveSpec], method: sm.MappingMethod
+) -> DrivesAccount:
+    """Return the account of drives that are here, by what a mapping method uses of them."""
+    readings, contacts = ReadingAccount(0, 0, {}), ContactAccount(0, 0, "scans")
+    for spec in specs:
+        log = store.log(spec)
+        readings += account_by(log, method)
+        of_drive = contacts_of(log)
+        assert of_drive is not None, "a drive that is kept has its truth"
+        contacts += of_drive
+    return DrivesAccount(len(specs), readings, contacts)
 
 
 # Keyed by the time of the last change too: a file that is made again is read again.

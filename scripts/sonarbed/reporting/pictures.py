@@ -173,10 +173,15 @@ def draw_demo(
     maps: Mapping[str, sm.OccupancyMap],
     rows: Sequence[Sequence[str]],
     path: Path,
+    notes: Sequence[str] = (),
 ) -> None:
-    """Draw the room, its data points by cause, the truth beside three maps, and the scores."""
+    """Draw the room, its data points by cause, the truth beside three maps, and the scores.
+
+    `notes` stand below the title: what became of the readings.
+    """
     figure = Figure(figsize=(18, 9), layout="constrained")
-    figure.suptitle(f"{world.title}: {len(log)} readings of {len(log.ring)} sonars", fontsize=13)
+    title = f"{world.title}: {len(log)} readings of {len(log.ring)} sonars"
+    figure.suptitle("\n".join((title, *notes)), fontsize=13)
     panels = figure.subplot_mosaic([["room", "points", "table", "table"], ["true", *maps]])
     room, points, true = panels["room"], panels["points"], panels["true"]
     mapped = [panels[name] for name in maps]

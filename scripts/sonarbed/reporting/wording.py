@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from sonarbed.reporting.statistics import Estimate
 from sonarmap import Cause
 
-__all__ = ["cause_name", "verdicts", "word"]
+__all__ = ["cause_name", "interval_over", "verdicts", "word"]
 
 _WORDS = ("better", "worse", "undecided")
 
@@ -15,6 +15,11 @@ _WORDS = ("better", "worse", "undecided")
 def cause_name(cause: Cause) -> str:
     """Return a cause's name for people."""
     return cause.name.lower().replace("_", " ")
+
+
+def interval_over(seeds: int) -> str:
+    """Return of how many seeds an interval is, as a title says it: over one there is none."""
+    return "1 seed, no interval" if seeds == 1 else f"95 % over {seeds} seeds"
 
 
 def word(difference: Estimate, better: int) -> str:

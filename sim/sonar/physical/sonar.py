@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
-from sim.sonar.firing import Firing, InTurn, Ping, pings
+from sim.sonar.firing import Firing, InTurn, Ping, fitted, pings
 from sim.sonar.physical.array import ArrayModel, PhysicalArray
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, loudest_echo_db
@@ -95,7 +95,7 @@ class PhysicalSonar:
     def __post_init__(self, beacons: tuple[Interferer, ...] | None) -> None:
         if beacons is not None:
             object.__setattr__(self, "interferers", beacons)
-        self.firing.check(len(self.ring))
+        object.__setattr__(self, "firing", fitted(self.firing, len(self.ring)))
         if self.max_bounces < 0:
             raise InputError(f"max_bounces must be >= 0, got {self.max_bounces!r}")
         if finite("edge_db", self.edge_db) > 0:

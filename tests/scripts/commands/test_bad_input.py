@@ -49,8 +49,8 @@ def files(tmp_path, rng):
 
 
 def state(folder):
-    """Return the bytes of every file below a folder."""
-    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    """Return the bytes of every file below a folder, and None for each folder."""
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
 
 
 # Command line, what its complaint must say.
@@ -90,6 +90,12 @@ REFUSED = [
     ("map good.parquet --out new --png map", "map: the file's name must end with .png"),
     ("map good.parquet --out new --png a.jpg", "a.jpg: the file's name must end with .png"),
     ("map good.parquet --out new --png file/a.png", "a file is in the way"),
+    # Names that say another format than a log has.
+    ("simulate office --out a.csv --scans 2", "a.csv: a log is a Parquet file: its name must end"),
+    ("simulate office --out log-0.5 --scans 2", "log-0.5: a log is a Parquet file"),
+    ("hsr good.parquet --out a.csv", "a.csv: a log is a Parquet file"),
+    ("filter good.parquet --method stale --out a.json", "`sonarbed export` writes other formats"),
+    ("import a b --format udacity --out a.txt", "a.txt: a log is a Parquet file"),
     ("simulate office --out map --scans 2", "map: is a folder, a file name is needed"),
     ("simulate office --out file/a.parquet --scans 2", "a file is in the way"),
     ("simulate office --out file --seed 0:2 --scans 2", "a file is in the way"),
@@ -105,6 +111,14 @@ REFUSED = [
     ("worlds office --set gap=1", "unknown parameter 'gap'"),
     ("worlds opening-rig --set gap_m", "--set must be NAME=NUMBER, got 'gap_m'"),
     ("worlds opening-rig --set gap_m=x", "--set must be NAME=NUMBER, got 'gap_m=x'"),
+    ("worlds opening-rig --set gap_m=", "--set must be NAME=NUMBER, got 'gap_m='"),
+    ("worlds opening-rig --set =0.6", "--set must be NAME=NUMBER, got '=0.6'"),
+    ("worlds opening-rig --set=", "--set must be NAME=NUMBER, got ''"),
+    ("worlds opening-rig --set reader=1", "--set must be NAME=NUMBER, got 'reader=1'"),
+    ("worlds opening-rig --set gap_m=0.6 --set gap_m=0.7", "--set gap_m is given twice"),
+    ("simulate opening-rig --set gap_m=1 --set gap_m=1 --out a", "--set gap_m is given twice"),
+    ("worlds opening-rig --set gap_m=1e9", "parameter gap_m must be within"),
+    ("worlds opening-rig --set gap_m=-inf", "parameter gap_m must be a finite number, got -inf"),
     ("worlds opening-rig --set gap_m=nan", "parameter gap_m must be a finite number, got nan"),
     ("worlds opening-rig --set gap_m=50", "parameter gap_m must be within"),
     ("demo --world nowhere", "unknown world 'nowhere'"),
@@ -120,8 +134,30 @@ REFUSED = [
     ("simulate office --out a.parquet --scans -3", "scans must be >= 1, got -3"),
     ("simulate office --out a.parquet --scans x", "Invalid value for '--scans'"),
     ("simulate thesis-exp1 --out a.parquet --driver route", "route"),
-    ("simulate office --out a --seed 5:2", "--seed must be a number >= 0 or a range such as 0:20"),
+    (
+        "simulate office --out a --seed 5:2",
+        "--seed must be a whole number >= 0 or a range such as 0:20",
+    ),
     ("simulate office --out a --seed x", "got 'x'"),
+    ("simulate office --out a --seed 1e3", "--seed must be a whole number >= 0"),
+    ("simulate office --out a --seed 1.5", "got '1.5'"),
+    ("simulate office --out a --seed nan", "got 'nan'"),
+    ("simulate office --out a --seed 1_0", "got '1_0'"),
+    ("simulate office --out a --seed=", "got ''"),
+    ("simulate office --out a --seed 0:2:3", "got '0:2:3'"),
+    ("simulate office --out a --seed 0:2 --jobs 1000000", "jobs must be <= "),
+    ("simulate office --out a --scans 1000000000", "scans must be <= 10000000"),
+    ("simulate office --out a --scans 1e9", "Invalid value for '--scans'"),
+    ("simulate office --out a --scans nan", "Invalid value for '--scans'"),
+    ("simulate office --out a --scans=", "Invalid value for '--scans'"),
+    ("simulate office --out new/folder/a --scans 0", "scans must be >= 1, got 0"),
+    ("demo --scans 1000000000", "scans must be <= 10000000"),
+    ("demo --seed=-1", "seed must be >= 0, got -1"),
+    ("demo --driver rout", "driver 'rout' is unknown; did you mean 'route'?"),
+    ("tune --scans 1000000000", "scans must be <= 10000000"),
+    ("tune --max-range nan", "max_range_m must be > 0, got nan"),
+    ("thesis --jobs 1000000", "jobs must be <= "),
+    ("acoustics --jobs 0", "jobs must be >= 1, got 0"),
     ("simulate office --out a --seed 3:", "got '3:'"),
     ("simulate office --out a --seed=-1", "got '-1'"),
     ("simulate office --out a --seed=-1:3", "got '-1:3'"),

@@ -45,7 +45,9 @@ def test_an_udacity_pair_becomes_a_log_with_its_repeats_marked(run):
         "seconds": 0.25,
         "no_echo": 1,
         "too_close": 0,
+        "rejected": 0,
         "stale": 1,
+        "used": 15,
     }
     assert log.ring == sm.ring("udacity8")
     assert log.truth is None

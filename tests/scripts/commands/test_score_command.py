@@ -56,6 +56,25 @@ def test_a_map_scores_alike_by_its_yaml_and_by_its_folder_but_for_its_shades(run
     assert scored(run, "ours") == scored(run, "ours/map.yaml")
 
 
+@pytest.mark.parametrize(("moved_m", "says"), [(0.0, False), (0.5, False), (4.0, True)])
+def test_a_map_whose_frame_is_not_the_rooms_is_scored_with_a_note(capsys, tmp_path, moved_m, says):
+    own = GRIDS["the room"]
+    state = worlds.truth(OFFICE, own).state
+    x_m, y_m = own.origin_xy_m
+    write_ros(tmp_path / "moved", sm.GridSpec(0.05, (x_m + moved_m, y_m), own.shape), state)
+    assert main(["score", "moved", "--world", "office", "--json"]) == 0
+    out, err = capsys.readouterr()
+    told = json.loads(out)
+    assert (told["known_outside_share"] > 0.25) == says
+    assert ("notes" in told) == says
+    if says:
+        share = told["known_outside_share"]
+        assert f"{share:.0%} of what the map knows lies outside of the bounds of 'office'" in err
+        assert told["notes"] == [err.strip()]
+    else:
+        assert err == ""
+
+
 def test_a_turned_map_is_resampled_and_said_on_standard_error(capsys, tmp_path):
     # Turned by a quarter about the room's corner: what was east of it is north of it now.
     grid = sm.GridSpec(0.05, (-0.5, -1.5), (160, 180))

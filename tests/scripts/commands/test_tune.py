@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing, suppress
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,46 @@ def test_ctrl_c_reaches_every_process(folder):
     assert len(find(search, trials=len(kept) + 1, on_progress=ignore).trials) == len(kept) + 1
 
 
+@pytest.mark.parametrize("sampler", ["tpe", "grid"])
+def test_processes_that_share_a_study_make_its_trials_together(folder, sampler):
+    # They begin at once, and one of them makes the study.
+    commands = [
+        subprocess.Popen(
+            [
+                *(sys.executable, "-m", "sonarbed", "tune", "--out", str(folder)),
+                *f"{OPTIONS} --sampler {sampler} --trials 12 --seed {seed}".split(),
+            ],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        for seed in range(3)
+    ]
+    assert [(command.communicate()[1], command.returncode) for command in commands] == [("", 0)] * 3
+    kept = optuna.load_study(study_name="tune", storage=search_in(folder).storage).trials
+    assert 12 <= sum(trial.state.name == "COMPLETE" for trial in kept) < 12 + 3
+    assert 12 <= json.loads((folder / "tune.json").read_text())["trials"] < 12 + 3
+
+
+@pytest.mark.parametrize(("seeds", "title"), [(1, "1 seed, no interval"), (2, "95 % over 2 seeds")])
+def test_a_search_says_over_what_its_numbers_are(folder, run, seeds, title):
+    line = f"tune --out {folder} {OPTIONS.replace('--seeds 2', f'--seeds {seeds}')} --trials 1"
+    shown, told = run(line), json.loads((folder / "tune.json").read_text())
+    for part, room, words in (
+        ("training", "thesis-exp1", "Tuned on"),
+        ("judged", "l-shape", "Judged on"),
+    ):
+        assert f"{words}: map_score ({title})" in shown
+        readings = told["readings"][part]
+        assert readings["drives"] == seeds
+        assert readings["in_log"] == 8 * 6 * seeds
+        assert readings["used"] + sum(readings["unused"].values()) == readings["in_log"]
+        assert readings["collision_scans"] == 0
+        used = f"{readings['used']} of {readings['in_log']} readings used"
+        assert f"{words}: {seeds} drive{'s' if seeds > 1 else ''}, {used}" in shown
+        assert told[part][room]["scores"]["best"]["low"] is None or seeds > 1
+
+
 def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     line = f"tune --out {folder} {OPTIONS} --target hsr --max-range 2 --trials 3"
     told = json.loads(run(f"{line} --json"))
@@ -129,7 +170,8 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
         direct[name] = []
         for seed in (0, 1):
             log = sim.simulate(room, scans=6, seed=seed, driver="route", sonar="thesis")
-            mended = log if hsr is None else sm.hsr(log, hsr).log
+            # Idle, not refused, where no reading is short enough to vouch.
+            mended = log if hsr is None else sm.filter("hsr", **asdict(hsr)).apply(log).log
             built = sm.build_map(mended, model, truth.grid, max_range_m=2.0)
             score = sm.score_map(built, truth, observable=truth.observable(log))
             direct[name].append(score.map_score)

@@ -15,7 +15,7 @@ from sonarbed.reporting import drives as drives_module
 from sonarbed.reporting.drives import DriveSpec, DriveStore, usual_driver
 from sonarmap import AMIGOBOT, InputError
 
-TINY = DriveSpec("thesis-exp1", scans=2, seed=0, engine="segments")
+TINY = DriveSpec("thesis-exp1", scans=2, seed=0, driver="thesis", engine="segments")
 PHYSICAL = preset("physical")
 
 # Everything that may differ between two drives.

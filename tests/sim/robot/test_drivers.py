@@ -103,6 +103,22 @@ def test_names_make_drivers():
         assert callable(drivers.driver(name, room).begin(np.random.default_rng(0)))
 
 
+def test_without_a_name_the_route_is_driven_or_one_wanders():
+    with_route, without = worlds.load("office"), worlds.load("thesis-exp1")
+    assert drivers.driver("auto", with_route) == drivers.driver("route", with_route)
+    assert drivers.driver("auto", without) == RandomWander()
+    for room in (with_route, without):
+        default = sim.simulate(room, scans=2, seed=0, sonar="aria", engine="segments")
+        auto = sim.simulate(room, scans=2, seed=0, driver="auto", sonar="aria", engine="segments")
+        assert default.provenance == auto.provenance
+
+
+@pytest.mark.parametrize("name", worlds.names())
+def test_the_default_driver_does_not_scrape_along_walls(name):
+    log = sim.simulate(worlds.load(name), scans=500, seed=0, sonar="thesis", engine="segments")
+    assert np.unique(log.scan[log.truth.collision]).size <= 5
+
+
 def test_a_driver_of_ones_own_is_an_instance_a_class_or_a_function_of_the_world(mine):
     class Spin:
         def begin(self, rng):
@@ -137,6 +153,11 @@ def test_what_is_no_driver_is_refused(mine, name, message):
     [
         (lambda: ConstantSpeeds(math.nan, 0.1), r"left_mps must be a finite number, got nan"),
         (lambda: Waypoints(()), r"points_m must have at least one point, got none"),
+        (lambda: Waypoints("ab"), r"points_m must be points \(x, y\), got 'ab'"),
+        (lambda: Waypoints(((0, 0, 1),)), r"points_m\[0\] must be \(x, y\) in metres"),
+        (lambda: Waypoints((1.0, 2.0)), r"points_m\[0\] must be \(x, y\) in metres, got 1.0"),
+        (lambda: Waypoints(((0, "1"),)), r"points_m\[0\] must be a number, got '1'"),
+        (lambda: Waypoints(((0, math.nan),)), r"points_m\[0\] must be a finite number"),
         (lambda: Waypoints(((0, 0),), speed_mps=0), r"speed_mps must be > 0, got 0"),
         (lambda: WallFollower(-1), r"distance_m must be > 0, got -1"),
         (lambda: WallFollower(side="up"), r"side must be 'left' or 'right', got 'up'"),

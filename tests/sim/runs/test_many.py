@@ -1,5 +1,6 @@
 import json
 
+import numpy as np
 import pytest
 
 import sim
@@ -36,11 +37,37 @@ def test_parallel_logs_equal_single_ones(tmp_path):
         ({"jobs": 0}, r"jobs must be >= 1, got 0"),
         ({"seeds": []}, r"seeds must be at least one and none twice, got \[\]"),
         ({"seeds": [1, 1]}, r"seeds must be at least one and none twice, got \[1, 1\]"),
+        ({"jobs": 1.5}, r"jobs must be a whole number, got 1.5"),
+        ({"jobs": "2"}, r"jobs must be a number, got '2'"),
+        ({"jobs": True}, r"jobs must be a number, got True"),
+        ({"jobs": 10**6}, r"jobs must be <= \d+, got 1000000"),
+        ({"seeds": "01"}, r"seeds must be whole numbers such as range\(10\), got '01'"),
+        ({"seeds": 3}, r"seeds must be whole numbers such as range\(10\), got 3"),
+        ({"seeds": [0, 1.5]}, r"seeds\[1\] must be a whole number, got 1.5"),
+        ({"seeds": [0, -1]}, r"seeds\[1\] must be >= 0, got -1"),
+        ({"seeds": [1, 1.0]}, r"seeds must be at least one and none twice, got \[1, 1\]"),
+        # What is for `simulate` is refused before any process begins.
         ({"scans": 0}, r"scans must be >= 1, got 0"),
+        ({"driver": "rout"}, r"driver 'rout' is unknown; did you mean 'route'\?"),
+        ({"packets": True}, r"packets must be a StatusPackets, got True"),
+        ({"engine": "bulet"}, r"engine 'bulet' is unknown"),
     ],
 )
 def test_bad_arguments_are_refused_and_leave_no_manifest(tmp_path, changes, message):
     arguments = {"seeds": [0], "scans": 2} | changes
     with pytest.raises(sm.InputError, match=message):
         sim.simulate_many(worlds.load("thesis-exp1"), tmp_path, **arguments)
-    assert not (tmp_path / MANIFEST).exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_seeds_may_be_an_array(tmp_path):
+    manifest = sim.simulate_many(
+        worlds.load("thesis-exp1"),
+        tmp_path,
+        seeds=np.arange(2),
+        scans=np.int64(2),
+        engine="segments",
+        sonar="aria",
+    )
+    assert [entry["seed"] for entry in manifest["logs"]] == [0, 1]
+    assert json.loads((tmp_path / MANIFEST).read_text())["arguments"]["scans"] == 2

@@ -31,7 +31,8 @@ def mixed_room():
 
 
 def drive(room=None, **changes):
-    arguments = {"scans": 20, "seed": 3, "sonar": STILL, "odometry": OdometryModel.exact()}
+    exact = OdometryModel.exact()
+    arguments = {"scans": 20, "seed": 3, "driver": "thesis", "sonar": STILL, "odometry": exact}
     return sim.simulate(mixed_room() if room is None else room, **(arguments | changes))
 
 

@@ -8,6 +8,7 @@ from rooms import MIRROR, box, closed_room, world
 import sim
 import worlds
 from sim import ConstantSpeeds, OdometryModel, WallFollower
+from sim.runs import simulation
 from sim.sonar import presets as sonars
 from sonarmap import Cause, InputError
 
@@ -28,7 +29,8 @@ def mixed_room(**arguments):
 
 
 def drive(room=None, **changes):
-    arguments = {"scans": 60, "seed": 3, "sonar": STILL, "odometry": OdometryModel.exact()}
+    exact = OdometryModel.exact()
+    arguments = {"scans": 60, "seed": 3, "driver": "thesis", "sonar": STILL, "odometry": exact}
     return sim.simulate(mixed_room() if room is None else room, **(arguments | changes))
 
 
@@ -39,7 +41,9 @@ def test_same_seed_gives_the_same_bytes(tmp_path):
 
 
 def test_another_seed_gives_another_log():
-    one, other = (sim.simulate(mixed_room(), scans=20, seed=seed) for seed in (0, 1))
+    one, other = (
+        sim.simulate(mixed_room(), scans=20, seed=seed, driver="thesis") for seed in (0, 1)
+    )
     assert (one.range_m != other.range_m).any()
     assert (one.x_m != other.x_m).any()
     # What is true of the drive itself does not depend on noise.
@@ -141,11 +145,46 @@ def test_provenance_tells_how_the_log_was_made():
     assert told["sonar"]["noise_std_m"] == 0
 
 
+def test_numbers_of_numpy_are_those_of_python():
+    log = drive(scans=np.int64(3), seed=np.uint8(4))
+    assert (log.provenance["scans"], log.provenance["seed"]) == (3, 4)
+    json.dumps(dict(log.provenance))
+    np.testing.assert_array_equal(log.range_m, drive(scans=3, seed=4).range_m)
+
+
+def test_the_longest_drive_is_a_limit_not_a_wish():
+    asked = simulation.DriveArguments.of(mixed_room(), scans=simulation.MOST_SCANS, seed=0)
+    assert asked.scans == 10_000_000
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"scans": 0}, r"scans must be >= 1, got 0"),
+        ({"scans": 2.5}, r"scans must be a whole number, got 2.5"),
+        ({"scans": "5"}, r"scans must be a number, got '5'"),
+        ({"scans": True}, r"scans must be a number, got True"),
+        ({"scans": np.True_}, r"scans must be a number, got np.True_"),
+        ({"scans": math.inf}, r"scans must be a whole number, got inf"),
+        ({"scans": None}, r"scans must be a number, got None"),
+        ({"scans": 10**9}, r"scans must be <= 10000000, .* memory, got 1000000000"),
+        ({"scans": 10**400}, r"scans must be a number that fits 64 bits"),
         ({"seed": -1}, r"seed must be >= 0, got -1"),
+        ({"seed": 1.5}, r"seed must be a whole number, got 1.5"),
+        ({"seed": "1"}, r"seed must be a number, got '1'"),
+        ({"seed": False}, r"seed must be a number, got False"),
+        ({"seed": None}, r"seed must be a number, got None"),
+        ({"room": "office"}, r"world must be a World, got 'office': worlds.load"),
+        ({"packets": True}, r"packets must be a StatusPackets, got True"),
+        ({"packets": 0.1}, r"packets must be a StatusPackets, got 0.1"),
+        ({"odometry": "exact"}, r"odometry must be an OdometryModel, got 'exact'"),
+        ({"gui": "no"}, r"gui must be True or False, got 'no'"),
+        ({"gui": 0}, r"gui must be True or False, got 0"),
+        ({"driver": None}, r"driver must be a driver, got None"),
+        ({"driver": WallFollower}, r"driver must be a driver, got <class .*WallFollower"),
+        ({"sonar": 3}, r"sonar must be a sonar, got 3"),
+        ({"sonar": sim.PhysicalSonar}, r"sonar must be a sonar, got <class .*PhysicalSonar"),
+        ({"engine": None}, r"engine must be a name, got None"),
         ({"driver": "wandr"}, r"driver 'wandr' is unknown; did you mean 'wander'\?"),
         ({"driver": "route"}, r"driver 'route' needs route_m in the world 'test', it has none"),
         ({"sonar": "thesys"}, r"sonar 'thesys' is unknown; did you mean 'thesis'\?"),

@@ -1,6 +1,7 @@
 """Firing schedules and status packets. The room is simple; what matters is when and where."""
 
 import math
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -9,8 +10,9 @@ from rooms import closed_room
 
 import sim
 from sim import AllAtOnce, ConeSonar, ConstantSpeeds, Eeruf, InTurn, OdometryModel, StatusPackets
-from sim.sonar.firing import check_firing, pings
-from sonarmap import AMIGOBOT, InputError
+from sim.sonar.firing import check_firing, fitted, pings
+from sim.sonar.presets import PHYSICAL
+from sonarmap import AMIGOBOT, InputError, SonarRing
 
 
 def times(firing, scan=0):
@@ -31,6 +33,51 @@ def test_the_order_may_leave_out_and_repeat():
     firing = InTurn(0.02, order=(3, 0, 3))
     assert [slot.sonars for slot in firing.slots(0, 8)] == [(3,), (0,), (3,)]
     assert firing.period_s == pytest.approx(0.06)
+
+
+def ring_of(sonars):
+    places = np.linspace(0, 0.1, sonars)
+    return SonarRing("n", places, places, places, math.radians(15), 0.1, 5.0)
+
+
+@pytest.mark.parametrize("sonars", [1, 3, 8, 12, 16])
+@pytest.mark.parametrize(
+    "firing", [InTurn(), InTurn(0.02), Eeruf(0.2), replace(Eeruf(), period_s=0.3), AllAtOnce(0.1)]
+)
+def test_without_an_order_all_sonars_of_the_ring_fire(firing, sonars):
+    ring = ring_of(sonars)
+    for sonar in (
+        PHYSICAL.replace(ring=ring, firing=firing),
+        # Whatever ring it had before.
+        PHYSICAL.replace(firing=firing).replace(ring=ring_of(2)).replace(ring=ring),
+    ):
+        fired = [sonar for ping in pings(sonar.firing, sonars, scans=1) for sonar in ping.sonars]
+        assert fired == list(range(sonars))
+        last = [slot.offset_s for slot in sonar.firing.slots(0, sonars)][-1]
+        assert last < sonar.firing.period_s
+        log = sim.simulate(closed_room(1.2), scans=2, seed=0, sonar=sonar, engine="segments")
+        assert log.sonar.tolist() == list(range(sonars)) * 2
+
+
+def test_a_given_order_stays_whatever_the_ring():
+    for firing in (InTurn(order=range(8)), Eeruf(order=tuple(range(8)))):
+        sonar = PHYSICAL.replace(ring=ring_of(16), firing=firing)
+        assert sonar.firing == firing
+        assert sonar.firing.order == tuple(range(8))
+
+
+def test_a_schedule_of_ones_own_needs_no_order():
+    class Backwards(AllAtOnce):
+        def slots(self, scan, sonars):
+            return tuple(reversed(super().slots(scan, sonars)))
+
+    mine = Backwards(0.1)
+    assert fitted(mine, 3) is mine
+
+
+def test_more_sonars_than_the_delays_of_eeruf_allow_are_refused():
+    with pytest.raises(InputError, match=r"period_s must be longer than the 15 lags .* got 0.1"):
+        PHYSICAL.replace(ring=ring_of(16), firing=Eeruf())
 
 
 def test_delays_of_eeruf_change_differently_for_each_pair():
@@ -84,6 +131,10 @@ def test_firings_between_steps_of_the_physics_are_refused(firing, message):
         (lambda: AllAtOnce(0), r"period_s must be > 0, got 0"),
         (lambda: InTurn(-0.04), r"slot_s must be > 0, got -0.04"),
         (lambda: InTurn(order=()), r"order must name at least one sonar, got none"),
+        (lambda: InTurn(order=(0, 1.5)), r"order\[1\] must be a whole number, got 1.5"),
+        (lambda: InTurn(order=(True, 1)), r"order\[0\] must be a number, got True"),
+        (lambda: InTurn(order="01"), r"order must be the numbers of sonars, got '01'"),
+        (lambda: Eeruf(order=3), r"order must be the numbers of sonars, got 3"),
         (lambda: InTurn(order=(0, -1)), r"order\[1\] must be >= 0, got -1"),
         (lambda: InTurn(order=(0, 8)).check(8), r"order\[1\] must be 0 to 7, got 8"),
         (lambda: Eeruf(order=(2, 9)).check(8), r"order\[1\] must be 0 to 7, got 9"),

@@ -330,7 +330,7 @@ def test_beacon_is_heard_as_an_outside_source():
         (lambda: SHARP.replace(edge_db=math.nan), r"edge_db must be a finite number, got nan"),
         (lambda: SHARP.replace(ray_step_rad=0), r"ray_step_rad must be > 0, got 0"),
         (lambda: SHARP.replace(sound_life_s=-1), r"sound_life_s must be > 0, got -1"),
-        (lambda: SHARP.replace(firing=InTurn()), r"order\[1\] must be 0 to 0, got 1"),
+        (lambda: SHARP.replace(firing=InTurn(order=(0, 1))), r"order\[1\] must be 0 to 0, got 1"),
         (lambda: SHARP.replace(firing=Eeruf(order=(0, 3))), r"order\[1\] must be 0 to 0, got 3"),
         (lambda: Receiver(0), r"dynamic_range_db must be > 0, got 0"),
         (lambda: Receiver(gain_share=1.1), r"gain_share must be within \[0, 1\], got 1.1"),

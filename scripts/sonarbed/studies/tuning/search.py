@@ -2,6 +2,8 @@
 
 Every trial is a task of its own with a sampler of its own, seeded by the number of trials that
 were finished before it. One process therefore finds the same, whether it was interrupted or not.
+Several processes that share a study make the trials together: before each, one looks whether the
+study has them all, so that there is at most one more for each process that was at work.
 """
 
 from __future__ import annotations
@@ -16,13 +18,14 @@ import optuna
 from optuna.distributions import FloatDistribution
 from optuna.trial import FrozenTrial, TrialState
 
+from sim.runs.parallel import checked_jobs
 from sonarbed.reporting.drives import DriveStore
 from sonarbed.reporting.parallel import OnProgress, parallel_map
 from sonarbed.studies.tuning.scoring import score_candidate
 from sonarbed.studies.tuning.settings import TuneSettings
 from sonarbed.studies.tuning.space import Candidate, candidate, ranges, thesis_points
 from sonarbed.studies.tuning.storage import StudyStorage, connect, quiet_optuna, release
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, whole
 from sonarmap.files import make_folder
 
 __all__ = ["Search", "SearchResult", "find"]
@@ -58,8 +61,7 @@ class Search:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.seed < 0:
-            raise InputError(f"seed must be >= 0, got {self.seed!r}")
+        whole("seed", self.seed, least=0)
 
     @property
     def drives(self) -> DriveStore:
@@ -114,7 +116,7 @@ def find(
 
     Returns
     -------
-    Found
+    SearchResult
 
     Raises
     ------
@@ -123,11 +125,10 @@ def find(
         settings.
     """
     grid = len(thesis_points()) if search.settings.sampler == "grid" else None
-    wanted = (grid or 200) if trials is None else trials
+    wanted = (grid or 200) if trials is None else whole("trials", trials)
     if wanted < 1 or (grid is not None and wanted > grid):
         raise InputError(f"trials must be {f'1 to {grid}' if grid else '>= 1'}, got {wanted}")
-    if jobs < 1:
-        raise InputError(f"jobs must be >= 1, got {jobs}")
+    checked_jobs(jobs)
     make_folder(search.drives.folder)
     with quiet_optuna(), search.kept.usable():
         try:
@@ -139,7 +140,8 @@ def find(
                 on_progress=on_progress,
             )
             # A trial that was interrupted is made again; a set of the grid never is once it is
-            # finished. Two machines may make the same one: then another is missing.
+            # finished. Two machines may make the same one: then another is missing, unless
+            # somebody else has made it by then.
             while tasks := _missing(search, study, wanted):
                 parallel_map(
                     _one_trial,
@@ -158,35 +160,49 @@ def _continued(on_progress: OnProgress, before: int) -> OnProgress:
     return lambda label, done, total: on_progress(label, before + done, before + total)
 
 
-def _missing(
-    search: Search, study: optuna.Study, wanted: int
-) -> list[tuple[Search, int, tuple[tuple[str, float], ...] | None]]:
-    """Return the tasks that are left: a number each, and for the grid a point."""
+@dataclass(frozen=True)
+class _Task:
+    """A trial to be made: the how-manieth of all that are wanted, and for the grid its point."""
+
+    search: Search
+    number: int
+    wanted: int
+    point: tuple[tuple[str, float], ...] | None = None
+
+
+def _missing(search: Search, study: optuna.Study, wanted: int) -> list[_Task]:
+    """Return the trials that are left."""
     finished = _finished(study)
     if search.settings.sampler != "grid":
-        return [(search, number, None) for number in range(len(finished), wanted)]
+        return [_Task(search, number, wanted) for number in range(len(finished), wanted)]
     points = thesis_points()
     # In a random order, so that a part of the grid is a fair sample of it.
     order = np.random.default_rng(search.seed).permutation(len(points))
     done = {_key(trial.params) for trial in finished}
     left = [points[i] for i in order if _key(points[i]) not in done]
     return [
-        (search, number, tuple(point.items()))
+        _Task(search, number, wanted, tuple(point.items()))
         for number, point in enumerate(left[: max(wanted - len(done), 0)], len(done))
     ]
 
 
-def _one_trial(task: tuple[Search, int, tuple[tuple[str, float], ...] | None]) -> None:
-    """Make one trial; it is finished in the storage, or it does not count."""
-    search, number, point = task
-    settings = search.settings
+def _one_trial(task: _Task) -> None:
+    """Make one trial; it is finished in the storage, or it does not count.
+
+    Nothing is made when others, who share the study, have made all that is wanted, or the point.
+    """
+    search, settings = task.search, task.search.settings
     with quiet_optuna(), search.kept.usable():
         study = connect(search.kept)
-        if point is not None and any(
-            _key(trial.params) == _key(dict(point)) for trial in _finished(study)
-        ):
+        finished = _finished(study)
+        if task.point is None:
+            is_made = len(finished) >= task.wanted
+        else:
+            made = {_key(trial.params) for trial in finished}
+            is_made = len(made) >= task.wanted or _key(dict(task.point)) in made
+        if is_made:
             return
-        study.sampler = _sampler(search, number, point)
+        study.sampler = _sampler(search, task.number, task.point)
         trial = study.ask(
             {
                 name: FloatDistribution(low, high)
@@ -266,10 +282,12 @@ def _claimed(search: Search) -> optuna.Study:
     found = study.user_attrs.get(_SETTINGS)
     where = f"study {search.study_name!r} in {search.kept.shown_url}"
     if found is None:
-        if study.get_trials(deepcopy=False):
-            raise InputError(f"{where} was not made by sonarbed: choose another study name")
-        study.set_user_attr(_SETTINGS, search.settings.to_dict())
-        return study
+        if not study.get_trials(deepcopy=False):
+            study.set_user_attr(_SETTINGS, search.settings.to_dict())
+        # Read again: another who began at the same time may have claimed it.
+        found = study.user_attrs.get(_SETTINGS)
+    if found is None:
+        raise InputError(f"{where} was not made by sonarbed: choose another study name")
     difference = search.settings.difference(found)
     if difference is not None:
         raise InputError(

@@ -8,16 +8,17 @@ from importlib.metadata import version
 from typing import Any
 
 import worlds
-from sonarbed.reporting.drives import DriveSpec, usual_driver
+from sim.runs.simulation import MOST_SCANS
+from sonarbed.reporting.drives import DriveSpec
 from sonarbed.studies.tuning.scoring import SCORES
 from sonarbed.studies.tuning.space import MODELS, TARGETS
-from sonarmap.errors import InputError, did_you_mean, positive
+from sonarmap.errors import InputError, did_you_mean, positive, whole
 
 __all__ = ["SAMPLERS", "TuneSettings", "check_rooms"]
 
 SAMPLERS = ("grid", "nsga2", "tpe", "cmaes")
 # Raised when the trials of a study change their meaning: older studies are refused, not mixed.
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,8 @@ class TuneSettings:
                 raise InputError(f"{name} {value!r} is unknown{did_you_mean(value, known)}")
         check_rooms("train", self.train)
         for name in ("seeds", "scans"):
-            if getattr(self, name) < 1:
-                raise InputError(f"{name} must be >= 1, got {getattr(self, name)!r}")
+            whole(name, getattr(self, name), least=1)
+        whole("scans", self.scans, most=MOST_SCANS)
         if self.max_range_m is not None:
             positive("max_range_m", self.max_range_m)
         if self.sampler == "grid" and (self.target, self.model) != ("model", "parameterized"):
@@ -81,9 +82,9 @@ class TuneSettings:
         return SCORES[self.score]
 
     def drives(self, rooms: Sequence[str]) -> tuple[DriveSpec, ...]:
-        """Return the drives of rooms, as long and as many as those of the search."""
+        """Return drives of rooms, as long and as many as the search has, by the default driver."""
         return tuple(
-            DriveSpec(room, scans=self.scans, seed=seed, driver=usual_driver(room))
+            DriveSpec(room, scans=self.scans, seed=seed)
             for room in rooms
             for seed in range(self.seeds)
         )

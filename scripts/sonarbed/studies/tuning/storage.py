@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ __all__ = ["StudyStorage", "connect", "quiet_optuna", "release"]
 
 # Processes that share an SQLite file wait for one another this long, seconds.
 _SQLITE_WAIT_S = 60
+# Who makes the tables or the study at the same time as another is told of it in these words.
+_RACES = ("already exists", "unique constraint", "duplicate", "database is locked")
+_TRIES, _PAUSE_S = 20, 0.2
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,16 @@ class StudyStorage:
         sqlite = url.get_backend_name() == "sqlite"
         if sqlite and url.database in (None, "", ":memory:"):
             raise InputError(f"storage must be kept, got {self.url!r}, which is in memory")
+        for _ in range(_TRIES - 1):
+            try:
+                return self._opened(sqlite=sqlite)
+            except (SQLAlchemyError, optuna.exceptions.OptunaError) as error:
+                if not _is_race(error):
+                    raise
+                time.sleep(_PAUSE_S)
+        return self._opened(sqlite=sqlite)
+
+    def _opened(self, *, sqlite: bool) -> tuple[optuna.storages.RDBStorage, optuna.Study]:
         try:
             storage = optuna.storages.RDBStorage(
                 self.url,
@@ -88,6 +102,15 @@ class StudyStorage:
             error = error.__cause__
         line = next(iter(str(error).splitlines()), type(error).__name__)
         return InputError(f"storage {self.shown_url} cannot be used: {line}")
+
+
+def _is_race(error: BaseException | None) -> bool:
+    """Return whether a database refuses only because another process does the same just now."""
+    while error is not None:
+        if any(words in str(error).lower() for words in _RACES):
+            return True
+        error = error.__cause__
+    return False
 
 
 @lru_cache(maxsize=1)

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.engine
 
 
 def test_hsr_is_idle_where_no_reading_vouches(tmp_path):
-    store, spec = DriveStore(tmp_path), DriveSpec("thesis-exp1", scans=6, seed=0)
+    store, spec = DriveStore(tmp_path), DriveSpec("thesis-exp1", scans=6, seed=0, driver="thesis")
     store.simulate_missing([spec])
     drive = store.scorable(spec)
     method = sm.method("bayes-parameterized")

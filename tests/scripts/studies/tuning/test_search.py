@@ -12,7 +12,7 @@ from sonarbed.studies.tuning import search as searching
 from sonarbed.studies.tuning import settings as settings_module
 from sonarbed.studies.tuning.scoring import score_candidate
 from sonarbed.studies.tuning.search import find
-from sonarbed.studies.tuning.space import RING
+from sonarbed.studies.tuning.space import RING, thesis_points
 from sonarmap.errors import InputError
 from sonarmap.goodness import thesis_parameter_sets
 
@@ -100,10 +100,30 @@ def test_two_processes_never_make_a_set_of_the_grid_twice(folder):
     assert set(models) <= set(thesis_parameter_sets())
 
 
+@pytest.mark.parametrize("sampler", ["tpe", "grid"])
+def test_what_others_have_made_meanwhile_is_not_made_again(folder, sampler, monkeypatch):
+    search, made = search_in(folder, sampler=sampler), []
+
+    def joined(*arguments):
+        # In the middle of the first trial somebody else makes all but that one.
+        made.append(arguments)
+        if len(made) == 1:
+            other = replace(search, seed=1)
+            study = searching.connect(other.kept)
+            for number in range(1, 5):
+                point = tuple(thesis_points()[number].items()) if sampler == "grid" else None
+                searching._one_trial(searching._Task(other, number, 5, point))
+            assert len(searching._finished(study)) == 4
+        return score_candidate(*arguments)
+
+    monkeypatch.setattr(searching, "score_candidate", joined)
+    assert len(find(search, trials=5, on_progress=ignore).trials) == 5
+
+
 def test_a_study_of_another_version_is_refused(folder, monkeypatch):
     find(search_in(folder), trials=1, on_progress=ignore)
-    monkeypatch.setattr(settings_module, "FORMAT_VERSION", 2)
-    with pytest.raises(InputError, match="was made with format 1, asked for 2: choose another"):
+    monkeypatch.setattr(settings_module, "FORMAT_VERSION", 3)
+    with pytest.raises(InputError, match="was made with format 2, asked for 3: choose another"):
         find(search_in(folder), trials=1, on_progress=ignore)
 
 
