@@ -90,8 +90,11 @@ class Processes:
                     team.begin(*task)
                 if not team.busy:
                     break
-                for worker in team.ready():
+                for worker in team.heard():
                     job, tries = worker.job, worker.tries
+                    if not worker.is_ready:
+                        team.greet(worker)
+                        continue
                     outcome = team.collect(worker)
                     if outcome is None and tries < _TRIES:
                         waiting.append((job, tries + 1))
@@ -115,6 +118,7 @@ class _Worker:
     line: Connection
     job: Job
     tries: int = 1
+    is_ready: bool = False
 
 
 @dataclass(eq=False)
@@ -134,10 +138,20 @@ class _Team:
         with contextlib.suppress(BrokenPipeError, ConnectionResetError):
             worker.line.send(job)
 
-    def ready(self) -> list[_Worker]:
-        """Wait for workers to be done, or dead, and return them."""
+    def heard(self) -> list[_Worker]:
+        """Wait for workers to begin, to be done or to die, and return them."""
         lines = connection.wait([worker.line for worker in self.busy])
         return [worker for worker in self.busy if worker.line in lines]
+
+    def greet(self, worker: _Worker) -> None:
+        """Take note that a worker has begun."""
+        try:
+            worker.line.recv()
+        except (EOFError, OSError):
+            raise InputError(
+                "a worker process could not begin (out of memory?): give it fewer jobs"
+            ) from None
+        worker.is_ready = True
 
     def collect(self, worker: _Worker) -> Outcome | None:
         """Return what became of a worker's job; None if the worker has died."""
@@ -180,16 +194,7 @@ class _Team:
         with interrupts_held_back(), _one_thread_each():
             process.start()
         theirs.close()
-        worker = _Worker(process, ours, job)
-        self.idle.append(worker)  # so that it is ended whatever comes
-        try:
-            ours.recv()
-        except (EOFError, OSError):
-            raise InputError(
-                "a worker process could not begin (out of memory?): give it fewer jobs"
-            ) from None
-        self.idle.remove(worker)
-        return worker
+        return _Worker(process, ours, job)
 
 
 @contextlib.contextmanager

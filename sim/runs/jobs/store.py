@@ -25,6 +25,9 @@ _LISTED_FOLDERS = 256
 class Store(Protocol):
     """A tree of files, named ``folder/name``; it pickles, and may be used by many processes."""
 
+    def __hash__(self) -> int:
+        """The same place is the same store."""
+
     @property
     def location(self) -> str:
         """The folder or the URL."""
