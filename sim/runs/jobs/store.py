@@ -26,7 +26,7 @@ class Store(Protocol):
     """A tree of files, named ``folder/name``; it pickles, and may be used by many processes."""
 
     def __hash__(self) -> int:
-        """The same place is the same store."""
+        """Return the same for the same place."""
 
     @property
     def location(self) -> str:
