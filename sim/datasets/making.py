@@ -118,6 +118,7 @@ def make_dataset(
 
     with store.held():
         _keep_identity(store, plan)
+        store.tidy()
         rooms = run_jobs(
             map(RoomJob, plan.rooms()),
             store,

@@ -5,7 +5,9 @@ whose outputs are not in the `Store` yet. What is complete is decided by the fil
 output has its job's digest in its name, is written beside and renamed. So there is no state that a
 kill could tear, and the same call finishes what is missing.
 
->>> with open_store("out") as store:
+>>> store = open_store("out")
+>>> with store.held():
+...     store.tidy()  # once it is known that the folder is ours
 ...     report = run_jobs(jobs, store, workers=Processes(2))
 """
 

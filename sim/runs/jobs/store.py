@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from collections import OrderedDict
 from collections.abc import Iterator
@@ -19,6 +20,8 @@ __all__ = ["Listing", "LocalStore", "RemoteStore", "Store", "open_store"]
 # Object stores show a file when all of it is there, and have no cheap renaming.
 _SHOW_WHOLE_FILES = {"s3", "s3a", "gs", "gcs", "abfs", "az", "adl", "oci", "oss", "memory"}
 _LOCK = ".lock"
+# What `sonarmap.files.atomic_path` writes to: .NAME-RANDOM.SUFFIX
+_BESIDE = re.compile(r"\..+-[a-z0-9_]{8}(\.[^.]*)?", re.DOTALL)
 _LISTED_FOLDERS = 256
 
 
@@ -49,8 +52,11 @@ class Store(Protocol):
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep the store for this process; what a killed one left half-written is removed."""
+        """Keep the store for this process while the block runs."""
         yield
+
+    def tidy(self) -> None:
+        """Remove what a killed process left half-written; the store must be held, and ours."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +118,7 @@ class LocalStore:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep the folder for this process; what a killed one left half-written is removed.
+        """Keep the folder for this process while the block runs.
 
         Raises
         ------
@@ -129,19 +135,19 @@ class LocalStore:
         try:
             if not _locked(handle):
                 raise InputError(f"{self.folder}: another process is writing there")
-            self._remove_leftovers()
-            yield
-            # While it is still locked: whoever comes next makes a new one.
-            lock.unlink(missing_ok=True)
+            try:
+                yield
+            finally:
+                # While it is still locked: whoever comes next makes a new one.
+                lock.unlink(missing_ok=True)
         finally:
             os.close(handle)
 
-    def _remove_leftovers(self) -> None:
+    def tidy(self) -> None:
         """Remove the files that were being written when a process was killed."""
         for folder, _, files in os.walk(self.folder):
             for name in files:
-                # What `atomic_path` writes to is called .NAME-RANDOM.SUFFIX.
-                if name.startswith(".") and "-" in name:
+                if _BESIDE.fullmatch(name):
                     Path(folder, name).unlink(missing_ok=True)
 
 
@@ -227,6 +233,9 @@ class RemoteStore:
         except OSError as error:
             raise InputError(f"{self.url}: cannot be written: {error}") from None
         yield
+
+    def tidy(self) -> None:
+        """Do nothing: what is half-written there has another name, or none."""
 
     @property
     def _shows_whole_files(self) -> bool:
