@@ -25,6 +25,8 @@ __all__ = ["FAILURES", "IDENTITY", "DatasetProgress", "DatasetReport", "make_dat
 IDENTITY = "dataset.json"
 """What decides the logs of a folder: the spec, digests of rooms and rings, the version."""
 FAILURES = "failures.jsonl"
+# So many rooms are written, and so many logs are listed, quicker here than processes begin.
+_FEW_ROOMS, _FEW_LOGS = 64, 5000
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,7 @@ def make_dataset(
         rooms = run_jobs(
             map(RoomJob, plan.rooms()),
             store,
-            workers=workers,
+            workers=1 if plan.room_count <= _FEW_ROOMS else workers,
             total=plan.room_count,
             on_progress=tell("rooms"),
         )
@@ -198,8 +200,7 @@ def _manifest(
             parts.append(part.outputs[0])
             yield part
 
-    # Few logs are read quicker here than a process begins.
-    few = plan.log_count < 5000
+    few = plan.log_count <= _FEW_LOGS
     report = run_jobs(jobs(), store, workers=1 if few else workers, on_progress=tell)
     if report.failures:
         raise InputError(report.failures[0].error)

@@ -218,9 +218,11 @@ def _work(line: Connection, store: Store) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     # An exit that unwinds: what is being written is removed.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
-    line.send(None)
-    while (job := line.recv()) is not None:
-        line.send(attempt(job, store))
+    # Whoever gave the jobs may go away, in the midst of a word.
+    with contextlib.suppress(EOFError, OSError):
+        line.send(None)
+        while (job := line.recv()) is not None:
+            line.send(attempt(job, store))
 
 
 def _end_with_parent() -> None:

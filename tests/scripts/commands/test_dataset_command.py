@@ -30,7 +30,7 @@ def test_it_makes_a_data_set_with_a_card(run, spec, tmp_path):
     told = json.loads(run("dataset spec.toml --out data --json"))
     assert told["taken"] == 12
     assert told["failed"] == 0
-    assert told["splits"]["test"]["rooms"] == 1
+    assert sum(split["rooms"] for split in told["splits"].values()) == 3
     assert sum(told["splits"]["train"]["causes"].values()) == told["splits"]["train"]["readings"]
     card = Path("data/README.md").read_text()
     for words in ("# tiny", "12 logs in 3 rooms", "| `driver` | each of wander, follow-left |"):
@@ -58,7 +58,7 @@ def test_bad_input_is_one_line(refused, run, spec, monkeypatch):
     assert refused("dataset spec.toml --out data --jobs 0") == "jobs must be >= 1, got 0"
     assert refused("dataset spec.toml --out data --jobs 2 --dask tcp://x").startswith("give --jobs")
     assert refused("dataset spec.toml --out spec.toml").startswith("spec.toml: must be a folder")
-    assert "is no file system" in refused("dataset spec.toml --out nothing://x") or True
+    assert "nothing://x: " in refused("dataset spec.toml --out nothing://x")
     spec.write_text(as_toml(tiny(logs__scnas=3)))
     assert refused("dataset spec.toml --out data") == (
         "spec.toml: logs.scnas: unknown key; did you mean 'scans'?"
@@ -71,6 +71,14 @@ def test_bad_input_is_one_line(refused, run, spec, monkeypatch):
     spec.write_text(as_toml(tiny()))
     monkeypatch.setattr(sim.datasets.making, "run_jobs", full)
     assert refused("dataset spec.toml --out data") == "data: No space left on device"
+
+
+def is_alive(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def test_interrupted_it_says_so_and_leaves_nothing_half_written(spec, tmp_path):
@@ -92,8 +100,9 @@ def test_interrupted_it_says_so_and_leaves_nothing_half_written(spec, tmp_path):
         130,
         "sonarbed: interrupted; what was finished is kept\n",
     )
-    with pytest.raises(ProcessLookupError):  # nobody is left behind
-        os.killpg(command.pid, 0)
+    while is_alive(command.pid):  # nobody is left behind
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
     assert not [name for name in tree(tmp_path / "data") if "/." in name or name[0] == "."]
 
 
