@@ -88,9 +88,8 @@ def memory(logs: int) -> None:
                 [sys.executable, path], capture_output=True, text=True, check=True, env=environment
             )
             peaks.append(int(done.stdout) / 1024)
-    print(
-        f"memory of the coordinator: {peaks[0]:.0f} MB for {logs} logs, {peaks[1]:.0f} for ten times as many"
-    )
+    few, many = peaks
+    print(f"memory of the coordinator: {few:.0f} MB for {logs} logs, {many:.0f} for ten times that")
 
 
 def parts(logs: int) -> None:
