@@ -1,4 +1,5 @@
 from . import goodness as goodness
+from .dataset import SonarDataset as SonarDataset
 from .errors import InputError as InputError
 from .exporters import export_log as export_log
 from .filters.choosing import filter as filter

@@ -16,7 +16,7 @@ ROOMS = {
 }
 ORDER = list(ROOMS.values())
 # The folders of `sim`: each may import itself and those before it.
-LAYERS = ["catalogue", "robot", "engines", "sonar", "runs", "envs"]
+LAYERS = ["catalogue", "robot", "engines", "sonar", "runs", "datasets", "envs"]
 ENGINES = {"pybullet", "pybullet_data", "pybullet_utils"}
 
 

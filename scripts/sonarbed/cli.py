@@ -15,6 +15,7 @@ import typer
 from typer.exceptions import TyperException
 
 from sonarbed.commands.acoustics import acoustics
+from sonarbed.commands.dataset import dataset
 from sonarbed.commands.demo import demo
 from sonarbed.commands.exporting import export
 from sonarbed.commands.filtering import filter_
@@ -57,6 +58,7 @@ app.command("filter")(filter_)
 app.command()(hsr)
 app.command("map")(map_)
 app.command()(score)
+app.command()(dataset)
 app.command()(tune)
 app.command()(thesis)
 app.command()(acoustics)
