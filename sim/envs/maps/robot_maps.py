@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from sim.envs.maps.kernel import (
     see_patches,
     see_patches_together,
 )
+from sim.envs.threads import numba_threads
 from sonarmap import OccupancyMap, ParameterizedModel, SonarRing
 from sonarmap.kernels.fusion import bearing_polynomial, cone_room
 from sonarmap.methods.bayes.models import SensorModel
@@ -33,7 +35,7 @@ MAP_MODEL = ParameterizedModel(p1=0.4, p2=0.02, p3_m=0.05, p4=0.6, p5_rad=math.r
 thesis's model, which takes each for news, makes a map worse the longer a robot drives: -0.41 to
 0.07 bit a cell after 50 s in four rooms. This one trusts a reading less: 0.06 to 0.53 bit."""
 
-# Few robots are mapped on one core: to start the others would cost more.
+# Few robots are mapped by one thread: to start the others would cost more.
 _FEW = 4
 # Many are mapped in so many parts, each with memory of its own.
 _JOBS = 16
@@ -54,12 +56,19 @@ class RobotMaps:
         What a reading says of the cells in its cone.
     max_range_m : float
         Longer readings are ignored, as by `sonarmap.build_map`; > 0.
+    threads : int
+        How many threads map them.
     """
 
     def __init__(
-        self, robots: int, ring: SonarRing, model: SensorModel, max_range_m: float = math.inf
+        self,
+        robots: int,
+        ring: SonarRing,
+        model: SensorModel,
+        max_range_m: float = math.inf,
+        threads: int = 1,
     ) -> None:
-        self._model = model
+        self._model, self._threads = model, threads
         self._cones = Cones(
             np.column_stack([ring.x_m, ring.y_m, ring.heading_rad]),
             model.half_angle_rad,
@@ -105,10 +114,11 @@ class RobotMaps:
         regions = self._model.regions(range_m)
         readings = Readings(number, regions.border_m, regions.axis, regions.edge)
         work = states, rows, tuple(self._maps), tuple(self._cones), tuple(readings)
-        if rows.size < _FEW:
-            add_fresh(*work, tuple(part[0] for part in self._cells), self._runs[0])
-        else:
-            add_fresh_together(*work, self._cells, self._runs)
+        with self._threads_for(rows.size) as several:
+            if several:
+                add_fresh_together(*work, self._cells, self._runs)
+            else:
+                add_fresh(*work, tuple(part[0] for part in self._cells), self._runs[0])
 
     @property
     def bits_gained(self) -> NDArray[np.float64]:
@@ -128,8 +138,9 @@ class RobotMaps:
     def patches(self, states: NDArray[np.void], size: int, cell_m: float) -> NDArray[np.uint8]:
         """Return the maps around the robots, see `sim.envs.maps.kernel.see_patches`."""
         patches = np.empty((len(states), 1, size, size), np.uint8)
-        see = see_patches if len(states) < _FEW else see_patches_together
-        see(patches, states, tuple(self._maps), cell_m)
+        with self._threads_for(len(states)) as several:
+            see = see_patches_together if several else see_patches
+            see(patches, states, tuple(self._maps), cell_m)
         return patches
 
     def map_of(self, row: int) -> OccupancyMap:
@@ -139,6 +150,9 @@ class RobotMaps:
         return OccupancyMap(
             facts.grid, self._maps.log_odds[row, : facts.grid.rows, : facts.grid.cols]
         )
+
+    def _threads_for(self, robots: int) -> AbstractContextManager[bool]:
+        return numba_threads(1 if robots < _FEW else self._threads)
 
     def _need(self, room: int, rows: int) -> None:
         """Hold working memory for cones of so many cells and rows, a row of it for each job.

@@ -11,6 +11,8 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from sim.envs.values import value_of
+from sonarmap.errors import finite
 from worlds import Pose
 
 if TYPE_CHECKING:  # `import sim` loads the tasks, and what they are handed is slow to load
@@ -100,7 +102,7 @@ class Task(ABC):
     robots : int
         How many.
     weights : object, optional
-        Weights of the reward's terms, by default ``weights_class()``.
+        Weights of the reward's terms, see `weights_of`.
     """
 
     weights_class: ClassVar[type[DataclassInstance]]
@@ -116,7 +118,24 @@ class Task(ABC):
     """What the robot observes beside what it senses."""
 
     def __init__(self, robots: int, weights: DataclassInstance | None = None) -> None:
-        self._weights = asdict(self.weights_class() if weights is None else weights)
+        self._weights = asdict(self.weights_of(weights))
+
+    @classmethod
+    def weights_of(cls, given: Any) -> DataclassInstance:
+        """Return weights that are given as `weights_class`, as a mapping of its fields, or not.
+
+        Parameters
+        ----------
+        given : object
+            A value of `weights_class`, a mapping of some of its fields to finite numbers, or None
+            for ``weights_class()``.
+
+        Raises
+        ------
+        InputError
+            If it is neither, or a weight is unknown or no finite number.
+        """
+        return value_of("weights", cls.weights_class, {} if given is None else given, finite)
 
     def begin(self, row: int, setup: TaskSetup) -> None:  # noqa: B027 - nothing, by default
         """Begin the episode of one robot."""

@@ -168,15 +168,15 @@ def test_two_environments_in_one_process_do_not_meet(name):
 @pytest.mark.parametrize("engine", ["segments", "bullet"])
 def test_workers_of_their_own_process_do_not_meet(engine):
     single = [
-        roll(make("sonarbed/Navigate-v0", engine=engine), 8, seed=seed, action_seed=seed)
+        roll(make("sonarbed/Navigate-v1", engine=engine), 8, seed=seed, action_seed=seed)
         for seed in (4, 5)
     ]
     vector = gymnasium.make_vec(
-        "sim:sonarbed/Navigate-v0", num_envs=2, vectorization_mode="async", engine=engine
+        "sim:sonarbed/Navigate-v1", num_envs=2, vectorization_mode="async", engine=engine
     )
     actions = []
     for seed in (4, 5):
-        space = make("sonarbed/Navigate-v0").action_space
+        space = make("sonarbed/Navigate-v1").action_space
         space.seed(seed)
         actions.append([space.sample() for _ in range(8)])
     observation, _ = vector.reset(seed=4)
@@ -203,7 +203,7 @@ def test_the_time_limit_is_the_registrations(name):
 
 def test_a_robot_that_keeps_pushing_a_wall_is_stuck():
     room = closed_room(1.0)
-    env = make("sonarbed/FollowWall-v0", world=room, start="world", action="wheels").unwrapped
+    env = make("sonarbed/FollowWall-v1", world=room, start="world", action="wheels").unwrapped
     env.reset(seed=0)
     full = np.ones(2, np.float32)
     steps, terminated = 0, False
@@ -222,7 +222,7 @@ def test_a_robot_that_keeps_pushing_a_wall_is_stuck():
 
 
 def test_a_step_before_the_first_reset_is_refused():
-    env = make("sonarbed/Explore-v0").unwrapped
+    env = make("sonarbed/Explore-v1").unwrapped
     with pytest.raises(gymnasium.error.ResetNeeded, match="before the first step"):
         env.step(np.zeros(2))
 
@@ -243,7 +243,7 @@ def test_a_step_before_the_first_reset_is_refused():
     ],
 )
 def test_bad_actions_are_refused(mode, action, message):
-    env = make("sonarbed/Explore-v0", action=mode).unwrapped
+    env = make("sonarbed/Explore-v1", action=mode).unwrapped
     env.reset(seed=0)
     with pytest.raises(gymnasium.error.InvalidAction, match=message):
         env.step(action)
@@ -288,7 +288,7 @@ def test_bad_arguments_are_refused(arguments, message):
     [*BAD_OPTIONS, ({"wrld": "office"}, "option 'wrld' is unknown; did you mean 'world'")],
 )
 def test_bad_options_are_refused(options, message):
-    env = make("sonarbed/Navigate-v0").unwrapped
+    env = make("sonarbed/Navigate-v1").unwrapped
     env.reset(seed=0)
     with pytest.raises(InputError, match=message):
         env.reset(options=options)
@@ -307,7 +307,7 @@ def test_they_are_refused_as_arguments_too(options, message):
 
 
 def test_options_of_a_reset_hold_for_one_episode():
-    env = make("sonarbed/Navigate-v0", world="office").unwrapped
+    env = make("sonarbed/Navigate-v1", world="office").unwrapped
     options = {"world": "clutter", "start": (1.0, 1.0, 0.5), "goal": (3.0, 3.0), "sonar": "thesis"}
     clutter = load("clutter")
     options["start"] = (clutter.start.x_m, clutter.start.y_m, 0.5)
@@ -330,14 +330,14 @@ def test_a_world_may_be_a_file(tmp_path):
         '[[wall]]\nname = "walls"\npoints_m = [[0, 0], [4, 0], [4, 3], [0, 3]]\nclosed = true\n'
         'side = "right"\nthickness_m = 0.1\nheight_m = 2\nmaterial = "brick"\n'
     )
-    env = make("sonarbed/Explore-v0", world=file)
+    env = make("sonarbed/Explore-v1", world=file)
     env.reset(seed=0)
     assert env.unwrapped.batch.setup_of(0).world.name == "hall"
 
 
 def test_randomisation_draws_materials_noise_and_air_for_every_episode():
     drawn = {"materials": ("metal", "foam"), "noise": (1, 4), "temperature_c": (0, 40)}
-    env = make("sonarbed/Explore-v0", randomisation=drawn, world="clutter").unwrapped
+    env = make("sonarbed/Explore-v1", randomisation=drawn, world="clutter").unwrapped
     setups = []
     for seed in range(6):
         env.reset(seed=seed)
@@ -362,7 +362,7 @@ def test_a_sonar_that_fires_between_steps_of_the_physics_is_refused():
 
 
 def test_a_sonar_without_noise_cannot_be_randomised():
-    env = make("sonarbed/Explore-v0", sonar="webots", randomisation={"noise": (1, 2)})
+    env = make("sonarbed/Explore-v1", sonar="webots", randomisation={"noise": (1, 2)})
     with pytest.raises(InputError, match="'webots' has neither noise nor air"):
         env.reset(seed=0)
 
@@ -409,7 +409,7 @@ def test_rendering_changes_nothing(name):
 def test_a_window_shows_the_frames(monkeypatch):
     pytest.importorskip("pygame")
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    env = make("sonarbed/Explore-v0", render_mode="human")
+    env = make("sonarbed/Explore-v1", render_mode="human")
     # The metadata are the class's: what a test changes of them must not stay.
     monkeypatch.setitem(env.metadata, "render_fps", 1000)
     env.reset(seed=0)
@@ -419,14 +419,14 @@ def test_a_window_shows_the_frames(monkeypatch):
 
 
 def test_the_map_so_far_is_there_for_who_asks():
-    env = make("sonarbed/Explore-v0").unwrapped
+    env = make("sonarbed/Explore-v1").unwrapped
     env.reset(seed=0)
     assert (env.occupancy_map.probability != 0.5).any()
-    without = make("sonarbed/Navigate-v0").unwrapped
+    without = make("sonarbed/Navigate-v1").unwrapped
     without.reset(seed=0)
     assert without.occupancy_map is None
 
 
 def test_an_environments_arguments_pickle():
-    spec = gymnasium.spec("sonarbed/Explore-v0")
-    assert pickle.loads(pickle.dumps(spec)).id == "sonarbed/Explore-v0"
+    spec = gymnasium.spec("sonarbed/Explore-v1")
+    assert pickle.loads(pickle.dumps(spec)).id == "sonarbed/Explore-v1"
