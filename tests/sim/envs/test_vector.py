@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from sameness import assert_same
 
 from sim.envs.registration import IDS
 from sim.envs.tasks.explore import Explore
@@ -47,28 +48,6 @@ def singles(name, mode, *, limit, **options):
         [lambda: gymnasium.make(f"sim:{name}", max_episode_steps=limit, **options)] * ROBOTS,
         autoreset_mode=mode,
     )
-
-
-def assert_same(one, other, place=""):
-    """Assert that two infos, observations or the like are the same to the last bit and type."""
-    assert type(one) is type(other), place
-    if isinstance(one, dict):
-        assert one.keys() == other.keys(), place
-        for key, values in one.items():
-            assert_same(values, other[key], f"{place}/{key}")
-    elif isinstance(one, np.ndarray):
-        assert (one.dtype, one.shape) == (other.dtype, other.shape), place
-        if one.dtype == object:
-            for i, part in enumerate(one):
-                assert_same(part, other[i], f"{place}[{i}]")
-        else:
-            assert np.array_equal(one, other), place
-    elif isinstance(one, tuple):
-        assert len(one) == len(other), place
-        for i, part in enumerate(one):
-            assert_same(part, other[i], f"{place}[{i}]")
-    else:
-        assert one == other, place
 
 
 @pytest.mark.parametrize("name", IDS)
