@@ -17,7 +17,7 @@ def assert_same(one, other, place=""):
                 assert_same(part, other[i], f"{place}[{i}]")
         else:
             assert np.array_equal(one, other), place
-    elif isinstance(one, tuple):
+    elif isinstance(one, tuple | list):
         assert len(one) == len(other), place
         for i, part in enumerate(one):
             assert_same(part, other[i], f"{place}[{i}]")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sim.envs.episode_batch import BatchSpec, EpisodeBatch
 from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
 from sim.envs.infos import of_robot
+from sim.envs.maps.method_maps import MapMethod
 from sim.envs.pictures.frame_maker import FrameMaker
 from sim.envs.pictures.window import Window
 from sim.envs.specs import HasSpec
@@ -69,8 +70,10 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
 
     Parameters
     ----------
-    engine, action, map_patch, control_s, map_resolution_m, map_range_m, validity, threads
+    engine, action, map_patch, control_s, map_resolution_m, map_range_m, map_method
         What stays the same through all episodes, see `sim.envs.BatchSpec`.
+    validity, threads
+        How an observation is given and a step is made, see `sim.envs.BatchSpec`.
     world, sonar, odometry, start, goal, randomisation
         What may differ from episode to episode, see `sim.envs.EpisodeOptions`. ``reset`` takes
         each of them by its name in ``options``, for that episode; a sonar with as many
@@ -109,6 +112,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
         control_s: float = 0.1,
         map_resolution_m: float = 0.1,
         map_range_m: float = 3.0,
+        map_method: str | MapMethod | Mapping[str, Any] | None = None,
         validity: str = "box",
         threads: int | str | None = None,
         world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
@@ -131,6 +135,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
                 control_s=control_s,
                 map_resolution_m=map_resolution_m,
                 map_range_m=map_range_m,
+                map_method=map_method,
                 validity=validity,
                 threads=threads,
             ),

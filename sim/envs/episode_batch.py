@@ -17,7 +17,8 @@ from sim.envs.backends.compiled.backend import CompiledBackend
 from sim.envs.backends.engine import EngineBackend
 from sim.envs.backends.protocol import Backend, EpisodeSetup
 from sim.envs.episodes import EpisodeOptions, draw_episode
-from sim.envs.maps.robot_maps import MAP_MODEL, RobotMaps
+from sim.envs.maps.grids import MapGrids
+from sim.envs.maps.method_maps import MapMethod, map_method, maps_by
 from sim.envs.pictures.drawing import Scene
 from sim.envs.pictures.layout import panel_aspect
 from sim.envs.senses import record_step, sense
@@ -61,6 +62,10 @@ class BatchSpec:
     map_range_m : float
         Longer readings are not mapped, metres, > 0; by default the maximum range of the thesis's
         robot (Rashid 2006, p. 56).
+    map_method : str, MappingMethod, mapping or None
+        How a robot maps as it drives, see `sim.envs.maps.method_maps.map_method`: any method that
+        takes readings one at a time. By default Bayesian updating with
+        `sim.envs.maps.robot_maps.MAP_MODEL`.
     validity : {"box", "multibinary"}
         The space of the observation of this name: numbers 0 and 1 as a `Box` of float32, which
         every library takes, or as the `MultiBinary` of the ids ``-v0``.
@@ -74,6 +79,7 @@ class BatchSpec:
     control_s: float = 0.1
     map_resolution_m: float = 0.1
     map_range_m: float = 3.0
+    map_method: str | MapMethod | Mapping[str, Any] | None = None
     validity: str = "box"
     threads: int | str | None = None
 
@@ -92,6 +98,7 @@ class BatchSpec:
             raise InputError(f"control_s must be <= {_CONTROL_MAX_S:g} s, got {self.control_s!r}")
         accept("map_resolution_m", positive("map_resolution_m", self.map_resolution_m))
         accept("map_range_m", positive("map_range_m", self.map_range_m))
+        accept("map_method", map_method(self.map_method))
         one_of("validity", self.validity, _VALIDITY)
         threads_for(self.threads, 1)
 
@@ -134,7 +141,7 @@ class _SonarParts:
     fixed: tuple[object, ...]
     sonar: Sonar
     backend: Backend
-    maps: RobotMaps | None
+    maps: MapGrids | None
 
 
 class EpisodeBatch:
@@ -289,7 +296,8 @@ class EpisodeBatch:
             backend = EngineBackend(spec.engine, robots, len(sonar.ring), spec.control_s)
         maps = None
         if self.task.needs_maps or spec.map_patch:
-            maps = RobotMaps(robots, sonar.ring, MAP_MODEL, spec.map_range_m, self._threads)
+            chosen: MapMethod = spec.map_method  # type: ignore[assignment]  # its check made it one
+            maps = maps_by(chosen, robots, sonar.ring, spec.map_range_m, self._threads)
         return _SonarParts(_fixed_by(sonar), sonar, backend, maps)
 
     def _change_to(self, sonar: Sonar, robots: int) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # `import sim` loads the tasks, and what they are handed is s
     from _typeshed import DataclassInstance
 
     from sim.envs.facts import RoomFacts
-    from sim.envs.maps.robot_maps import RobotMaps
+    from sim.envs.maps.grids import MapGrids
 
 __all__ = ["Evaluation", "StepOutcome", "Task", "TaskSetup", "weighted"]
 
@@ -58,14 +58,14 @@ class StepOutcome:
         Robots that have touched something for too long.
     effort : ndarray, shape (robots,)
         Mean square of the wanted wheel speeds, as shares of the fastest; in [0, 1].
-    maps : RobotMaps or None
+    maps : MapGrids or None
         What the robots have mapped, if anybody asks for it.
     """
 
     states: NDArray[np.void]
     stuck: NDArray[np.bool_]
     effort: NDArray[np.float64]
-    maps: RobotMaps | None
+    maps: MapGrids | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
