@@ -1,10 +1,11 @@
 """How many threads environments step with: the one place that decides.
 
 Numba's threads, those of a learning library and the processes of a pool slow one another down
-many times over when each takes every core. So a single environment steps with one thread, and so
-does a vector environment in a worker process; only a vector environment of the main process takes
-all cores that the process may use. ``threads`` of an environment says otherwise for that one, the
-variable ``SONARBED_THREADS`` for all that do not. What is computed is the same, to the last bit.
+many times over when each takes every core. So an environment steps with one thread, be it single
+or a vector of a few robots, and whatever it is in a worker process; a vector of many robots in the
+main process takes all cores that the process may use. ``threads`` of an environment says otherwise
+for that one, the variable ``SONARBED_THREADS`` for all that do not. What is computed is the same,
+to the last bit.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ __all__ = ["SETTING", "numba_threads", "threads_for", "usable_cores"]
 SETTING = "SONARBED_THREADS"
 """The environment variable: a number, or "all"."""
 
+# Fewer robots take less time than threads that have to wait for a busy core.
+_MANY = 64
 _CGROUP = Path("/sys/fs/cgroup")
 
 # Numba's threads do not outlive a fork, and its OpenMP layer ends a child that calls for them.
@@ -69,8 +72,8 @@ def threads_for(wanted: int | str | None, robots: int) -> int:
         return _checked(SETTING, int(setting) if setting.isdecimal() else setting)
     if wanted is not None:
         return _checked("threads", wanted)
-    alone = robots == 1 or multiprocessing.parent_process() is not None
-    return 1 if alone else usable_cores()
+    is_worker = multiprocessing.parent_process() is not None
+    return 1 if robots < _MANY or is_worker else usable_cores()
 
 
 @contextmanager

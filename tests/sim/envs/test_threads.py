@@ -37,7 +37,7 @@ def test_one_place_decides(monkeypatch):
     monkeypatch.delenv(threads.SETTING, raising=False)
     cores = threads.usable_cores()
     assert cores >= 1
-    assert threads.threads_for(None, 1) == 1
+    assert threads.threads_for(None, 1) == threads.threads_for(None, 16) == 1
     assert threads.threads_for(None, 64) == cores
     assert threads.threads_for("all", 1) == cores
     assert threads.threads_for(3, 64) == 3
