@@ -27,13 +27,13 @@ def main() -> None:
         alone(name, peer)
     for name in IDS:
         together(name, 0, 60_000)
-    together("sonarbed/Explore-v0", 48, 10_000)
+    together("sonarbed/Explore-v1", 48, 10_000)
     a_million_steps()
 
 
 def bullet() -> None:
     """Print steps a second on PyBullet, and what share of the time its own calls need."""
-    env = gymnasium.make("sonarbed/Navigate-v0", engine="bullet", world="office")
+    env = gymnasium.make("sonarbed/Navigate-v1", engine="bullet", world="office")
     whole, bare = [], []
     for run in range(RUNS):
         env.reset(seed=run)
@@ -107,7 +107,7 @@ def together(name: str, map_patch: int, target: int) -> None:
 
 def a_million_steps() -> None:
     """Print how memory grows over a million steps, and check every observation on the way."""
-    env = vector("sonarbed/Explore-v0", world=["office", "clutter", "corridor", "thesis-exp2"])
+    env = vector("sonarbed/Explore-v1", world=["office", "clutter", "corridor", "thesis-exp2"])
     env.reset(seed=0)
     # The worlds, their maps and the compiled code are in memory after the first episodes.
     run_checked(env, 1500)
@@ -132,7 +132,7 @@ def run_checked(env, steps: int) -> None:
 
 def vector(name: str, **options):
     return gymnasium.make_vec(
-        name, num_envs=ROBOTS, vectorization_mode="vector_entry_point", **options
+        name, num_envs=ROBOTS, vectorization_mode="vector_entry_point", threads="all", **options
     )
 
 

@@ -43,7 +43,7 @@ from sonarmap import InputError
 from sonarmap.errors import positive
 from sonarmap.files import atomic_path, make_folder
 
-NAVIGATE = "sim:sonarbed/Navigate-v0"
+NAVIGATE = "sim:sonarbed/Navigate-v1"
 TRAINED_IN = ("thesis-exp1", "thesis-exp2", "clutter", "round-room", "corridor")
 JUDGED_IN = ("office", "l-shape")
 RANDOMISATION = {

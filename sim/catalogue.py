@@ -33,7 +33,7 @@ SONAR_PRESETS = MappingProxyType(
     }
 )
 
-# The environment of a task is called sonarbed/<name>-v0.
+# The environment of a task is called sonarbed/<name>-v1.
 TASKS = MappingProxyType(
     {
         "Explore": "sim.envs.tasks.explore:Explore",

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain, pairwise
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,13 @@ class Bullet(ClosedByWith):
         client, self._client = self._client, None
         if client is not None and client >= 0:
             self._p.disconnect(physicsClientId=client)
+
+    def __getstate__(self) -> NoReturn:
+        """Refuse to be copied or pickled: the robot and the room live in PyBullet's memory."""
+        raise TypeError(
+            "engine 'bullet' can be neither copied nor pickled: its state is PyBullet's; "
+            "engine 'segments' can"
+        )
 
     @property
     def pose(self) -> Pose:

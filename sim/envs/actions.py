@@ -10,8 +10,7 @@ from gymnasium.spaces import Box, Discrete, Space
 from numpy.typing import NDArray
 
 from sim.robot.amigobot import SPEED_MAX_MPS, TRACK_M, TURN_MAX_RADPS
-from sonarmap import InputError
-from sonarmap.errors import did_you_mean
+from sonarmap.errors import one_of
 
 __all__ = ["MODES", "ActionMode", "action_mode"]
 
@@ -111,9 +110,7 @@ def action_mode(name: str) -> ActionMode:
     modes: dict[str, type[Velocity | Wheels | Choices]] = dict(
         zip(MODES, (Velocity, Wheels, Choices), strict=True)
     )
-    if name not in modes:
-        raise InputError(f"action {name!r} is unknown{did_you_mean(name, MODES)}")
-    return modes[name]()
+    return modes[one_of("action", name, MODES)]()
 
 
 def _of_velocity(shares: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,30 +13,34 @@ from numpy.typing import NDArray
 
 from sim.envs.episode_batch import BatchSpec, EpisodeBatch
 from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
-from sim.envs.pictures.drawing import draw
+from sim.envs.infos import of_robot
+from sim.envs.maps.method_maps import MapMethod
+from sim.envs.pictures.frame_maker import FrameMaker
 from sim.envs.pictures.window import Window
+from sim.envs.specs import HasSpec
 from sim.envs.tasks.task import Task
 from sim.robot.odometry import OdometryModel
 from sim.sonar.protocol import Sonar
-from sonarmap import InputError, OccupancyMap
-from sonarmap.errors import did_you_mean
+from sonarmap import OccupancyMap
+from sonarmap.errors import one_of, whole
+from worlds import Pose
 
 __all__ = ["SonarEnv"]
 
 Observation = dict[str, NDArray[Any]]
 
 
-class SonarEnv(gymnasium.Env[Observation, Any]):
-    """A robot with eight sonars and a task; what all environments have in common.
+class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
+    """A robot with a ring of sonars and a task; what all environments have in common.
 
     Observation
     -----------
-    A dictionary of new arrays:
+    A dictionary of new arrays, for a ring of k sonars (eight, if ``sonar`` says nothing else):
 
     ================  ================  =========  ================================================
-    ``range``         float32 (8,)      [0, 1]     newest reading of each sonar over its maximum
+    ``range``         float32 (k,)      [0, 1]     newest reading of each sonar over its maximum
                                                    range; 1 for no echo, 0 for too close
-    ``validity``      int8 (8,)         {0, 1}     1 if that reading is a range
+    ``validity``      float32 (k,)      {0, 1}     1 if that reading is a range
     ``speed``         float32 (2,)      [-1, 1]    speed ahead and turn rate by the encoders over
                                                    0.75 m/s and 0.87 rad/s
     ``last_action``   float32 (2,)      [-1, 1]    shares of the limits that were wanted last
@@ -66,15 +70,29 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
 
     Parameters
     ----------
-    engine, action, map_patch, control_s, map_resolution_m, map_range_m
+    engine, action, map_patch, control_s, map_resolution_m, map_range_m, map_method
         What stays the same through all episodes, see `sim.envs.BatchSpec`.
+    validity, threads
+        How an observation is given and a step is made, see `sim.envs.BatchSpec`.
     world, sonar, odometry, start, goal, randomisation
         What may differ from episode to episode, see `sim.envs.EpisodeOptions`. ``reset`` takes
-        each of them by its name in ``options``, for that episode.
-    weights : object, optional
-        Weights of the reward's terms, a frozen value of the task.
+        each of them by its name in ``options``, for that episode; a sonar with as many
+        transducers as the observation has.
+    weights : object or mapping, optional
+        Weights of the reward's terms, a frozen value of the task or a mapping of some of its
+        fields.
     render_mode : {"rgb_array", "human"}, optional
-        Return frames, or show them in a window (extra ``gui``).
+        Return frames, all of one even size, or show them in a window (extra ``gui``).
+
+    Versions
+    --------
+    v1: ``validity`` is a `Box` of float32. v0: it is a `MultiBinary` of int8, which some libraries
+    do not take; kept for what was learned with it.
+
+    Notes
+    -----
+    An environment on `segments` can be copied and pickled at any moment; the copy goes on as the
+    original does. One on `bullet` cannot while an episode is under way, and says so.
     """
 
     task_class: ClassVar[type[Task] | None] = None
@@ -94,35 +112,48 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         control_s: float = 0.1,
         map_resolution_m: float = 0.1,
         map_range_m: float = 3.0,
+        map_method: str | MapMethod | Mapping[str, Any] | None = None,
+        validity: str = "box",
+        threads: int | str | None = None,
         world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
-        sonar: str | Sonar = "aria",
-        odometry: OdometryModel | None = None,
-        start: str | tuple[float, float, float] = "random",
+        sonar: str | Sonar | Mapping[str, Any] = "aria",
+        odometry: OdometryModel | Mapping[str, Any] | None = None,
+        start: str | Pose | tuple[float, float, float] = "random",
         goal: str | tuple[float, float] = "random",
         randomisation: Randomisation | Mapping[str, Any] | None = None,
         weights: Any = None,
         render_mode: str | None = None,
     ) -> None:
-        modes = self.metadata["render_modes"]
-        if render_mode is not None and render_mode not in modes:
-            raise InputError(
-                f"render_mode {render_mode!r} is unknown{did_you_mean(render_mode, modes)}"
-            )
+        if render_mode is not None:
+            one_of("render_mode", render_mode, self.metadata["render_modes"])
         self.render_mode = render_mode
         self._batch = EpisodeBatch(
-            BatchSpec(engine, action, map_patch, control_s, map_resolution_m, map_range_m),
+            BatchSpec(
+                engine=engine,
+                action=action,
+                map_patch=map_patch,
+                control_s=control_s,
+                map_resolution_m=map_resolution_m,
+                map_range_m=map_range_m,
+                map_method=map_method,
+                validity=validity,
+                threads=threads,
+            ),
             EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
             lambda robots: self.make_task(robots, weights),
             robots=1,
         )
         self.observation_space: Space[Any] = self._batch.observation_space
         self.action_space = self._batch.action_space
+        self._frames = None if render_mode is None else FrameMaker(self._batch, 1)
         self._window: Window | None = None
-        self._trail: list[tuple[float, float]] = []
-        self._score = 0.0
         # Why there is nothing to step, if so.
         self._needs_reset = "reset must be called before the first step"
         self._closed = False
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy needs: all but the window, which is this process's."""
+        return {**self.__dict__, "_window": None}
 
     def __init_subclass__(cls) -> None:
         """Let the docstring of an environment be its whole specification."""
@@ -135,19 +166,21 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         """Return the task of so many robots."""
         if cls.task_class is None:
             raise NotImplementedError(f"{cls.__name__} has no task_class")
-        return cls.task_class(robots, weights)
+        return cls.task_class(robots, cls.task_class.weights_of(weights))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode; see the class for the options."""
         self._check_open()
-        super().reset(seed=seed)
+        # Gymnasium would take True for a seed, and no number of numpy's.
+        super().reset(seed=None if seed is None else whole("seed", seed, least=0))
         self._batch.begin({0: self.np_random}, options)
-        self._trail, self._score, self._needs_reset = [], 0.0, ""
-        observation = self._first(self._batch.observe())
-        self._show()
-        return observation, {"true_pose": self._batch.states["true_pose"][0].copy()}
+        self._needs_reset = ""
+        if self._frames is not None:
+            self._frames.begin([0])
+            self._show(self._frames)
+        return self._first(self._batch.observe()), self._told({})
 
     def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control step."""
@@ -158,19 +191,19 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
         reward, terminated = float(outcome.reward[0]), bool(outcome.terminated[0])
         if terminated:
             self._needs_reset = "the episode has ended: reset must be called before the next step"
-        self._score += reward
-        self._show()
-        info = first_row(outcome.info)
-        info["true_pose"] = self._batch.states["true_pose"][0].copy()
+        if self._frames is not None:
+            self._frames.step([0], outcome.reward)
+            self._show(self._frames)
+        info = self._told(outcome.info)
         return self._first(outcome.observations), reward, terminated, False, info
 
     def render(self) -> NDArray[np.uint8] | None:
         """Return a frame of shape (height, width, 3), or None when a window shows it."""
         self._check_open()
-        if self.render_mode is None:
+        if self._frames is None:
             gymnasium.logger.warn("render was called, but render_mode is None: nothing is drawn")
             return None
-        return self._frame() if self.render_mode == "rgb_array" else None
+        return self._frames.frame(0) if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
         """Release what is held; closing twice is fine."""
@@ -201,26 +234,10 @@ class SonarEnv(gymnasium.Env[Observation, Any]):
     def _first(self, observations: Observation) -> Observation:
         return {name: rows[0] for name, rows in observations.items()}
 
-    def _show(self) -> None:
-        if self.render_mode is None:
-            return
-        x_m, y_m, _ = self._batch.states["true_pose"][0].tolist()
-        self._trail.append((x_m, y_m))
+    def _told(self, info: Mapping[str, Any]) -> dict[str, Any]:
+        return of_robot({**info, "true_pose": self._batch.states["true_pose"]}, 0)
+
+    def _show(self, frames: FrameMaker) -> None:
         if self.render_mode == "human":
             self._window = self._window or Window(fps=self.metadata["render_fps"])
-            self._window.show(self._frame())
-
-    def _frame(self) -> NDArray[np.uint8]:
-        if not self._trail:
-            raise gymnasium.error.ResetNeeded("reset must be called before the first frame")
-        time_s = float(self._batch.states["time_s"][0])
-        caption = f"{time_s:.1f} s · reward {self._score:.2f}"
-        return draw(self._batch.scene(0, np.array(self._trail), caption))
-
-
-def first_row(info: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the first robot's part of a batch's info as plain numbers."""
-    return {
-        name: first_row(rows) if isinstance(rows, Mapping) else rows[0].item()
-        for name, rows in info.items()
-    }
+            self._window.show(frames.frame(0))

@@ -6,6 +6,7 @@ for: ``<name>Env`` and ``<name>VectorEnv``. `task_env` makes those of a person's
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from inspect import cleandoc
 from typing import Any
@@ -34,7 +35,12 @@ def __getattr__(name: str) -> Any:
 @cache
 def env_class(task: type[Task]) -> type[SonarEnv]:
     """Return the environment of a task; the task's docstring is the head of its specification."""
-    members = {"__doc__": cleandoc(task.__doc__ or ""), "__module__": __name__, "task_class": task}
+    members = {
+        "__doc__": cleandoc(task.__doc__ or ""),
+        "__module__": __name__,
+        "__reduce__": _by_task(task, "single"),
+        "task_class": task,
+    }
     return type(f"{task.__name__}Env", (SonarEnv,), members)
 
 
@@ -43,8 +49,31 @@ def vector_env_class(task: type[Task]) -> type[SonarVectorEnv]:
     """Return the vector environment of a task."""
     single = env_class(task)
     doc = f"Many of `{single.__name__}` at once, see `SonarVectorEnv`."
-    members = {"__doc__": doc, "__module__": __name__, "env_class": single}
+    members = {
+        "__doc__": doc,
+        "__module__": __name__,
+        "__reduce__": _by_task(task, "vector"),
+        "env_class": single,
+    }
     return type(f"{task.__name__}VectorEnv", (SonarVectorEnv,), members)
+
+
+def _by_task(task: type[Task], kind: str) -> Callable[[Any], tuple[Any, ...]]:
+    """Return the ``__reduce__`` of the environment of a task.
+
+    Its class is made here and cannot be found by its name, but for a task in `TASKS`; the task can.
+    """
+
+    def reduced(env: Any) -> tuple[Any, ...]:
+        return _unfilled, (task, kind), env.__getstate__()
+
+    return reduced
+
+
+def _unfilled(task: type[Task], kind: str) -> Any:
+    """Return an environment of a task before its state is set."""
+    made: Any = env_class(task) if kind == "single" else vector_env_class(task)
+    return made.__new__(made)
 
 
 def task_env(task: str | type[Task], **arguments: Any) -> gymnasium.Env[Observation, Any]:

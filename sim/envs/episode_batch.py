@@ -16,22 +16,30 @@ from sim.envs.actions import action_mode
 from sim.envs.backends.compiled.backend import CompiledBackend
 from sim.envs.backends.engine import EngineBackend
 from sim.envs.backends.protocol import Backend, EpisodeSetup
-from sim.envs.episodes import EpisodeOptions, check_names, draw_episode
-from sim.envs.maps.robot_maps import MAP_MODEL, RobotMaps
+from sim.envs.episodes import EpisodeOptions, draw_episode
+from sim.envs.maps.grids import MapGrids
+from sim.envs.maps.method_maps import MapMethod, map_method, maps_by
 from sim.envs.pictures.drawing import Scene
+from sim.envs.pictures.layout import panel_aspect
 from sim.envs.senses import record_step, sense
 from sim.envs.tasks.task import StepOutcome, Task, TaskSetup
+from sim.envs.threads import threads_for
+from sim.envs.values import check_names
 from sim.robot.clock import check_steps
 from sim.sonar.firing import check_firing
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, OccupancyMap
-from sonarmap.errors import positive
+from sonarmap.errors import one_of, positive, whole
 from worlds import Pose
 
 __all__ = ["BatchSpec", "EpisodeBatch", "TeamSpec", "split_arguments"]
 
 # A robot that has touched something for so long without a break is stuck. Assumed.
 _STUCK_S = 2.0
+# More than this is a slip: a patch of 100 m, a step in which a robot crosses a room.
+_PATCH_MAX, _CONTROL_MAX_S = 1000, 10.0
+# How `validity` may be observed, as a space and as numbers.
+_VALIDITY = {"box": np.float32, "multibinary": np.int8}
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +62,15 @@ class BatchSpec:
     map_range_m : float
         Longer readings are not mapped, metres, > 0; by default the maximum range of the thesis's
         robot (Rashid 2006, p. 56).
+    map_method : str, MappingMethod, mapping or None
+        How a robot maps as it drives, see `sim.envs.maps.method_maps.map_method`: any method that
+        takes readings one at a time. By default Bayesian updating with
+        `sim.envs.maps.robot_maps.MAP_MODEL`.
+    validity : {"box", "multibinary"}
+        The space of the observation of this name: numbers 0 and 1 as a `Box` of float32, which
+        every library takes, or as the `MultiBinary` of the ids ``-v0``.
+    threads : int or "all", optional
+        How many threads step the robots; by default as `sim.envs.threads` decides.
     """
 
     engine: str = "segments"
@@ -62,15 +79,28 @@ class BatchSpec:
     control_s: float = 0.1
     map_resolution_m: float = 0.1
     map_range_m: float = 3.0
+    map_method: str | MapMethod | Mapping[str, Any] | None = None
+    validity: str = "box"
+    threads: int | str | None = None
 
     def __post_init__(self) -> None:
+        def accept(name: str, value: object) -> None:
+            object.__setattr__(self, name, value)
+
         ENGINES.find(self.engine)
-        if self.map_patch < 0:
-            raise InputError(f"map_patch must be >= 0, got {self.map_patch!r}")
+        accept("map_patch", whole("map_patch", self.map_patch, least=0))
+        if self.map_patch > _PATCH_MAX:
+            raise InputError(f"map_patch must be <= {_PATCH_MAX}, got {self.map_patch!r}")
         action_mode(self.action)
+        accept("control_s", positive("control_s", self.control_s))
         check_steps("control_s", self.control_s)
-        positive("map_resolution_m", self.map_resolution_m)
-        positive("map_range_m", self.map_range_m)
+        if self.control_s > _CONTROL_MAX_S:
+            raise InputError(f"control_s must be <= {_CONTROL_MAX_S:g} s, got {self.control_s!r}")
+        accept("map_resolution_m", positive("map_resolution_m", self.map_resolution_m))
+        accept("map_range_m", positive("map_range_m", self.map_range_m))
+        accept("map_method", map_method(self.map_method))
+        one_of("validity", self.validity, _VALIDITY)
+        threads_for(self.threads, 1)
 
 
 TeamSpec = BatchSpec
@@ -111,7 +141,7 @@ class _SonarParts:
     fixed: tuple[object, ...]
     sonar: Sonar
     backend: Backend
-    maps: RobotMaps | None
+    maps: MapGrids | None
 
 
 class EpisodeBatch:
@@ -137,9 +167,11 @@ class EpisodeBatch:
         robots: int,
     ) -> None:
         self._spec, self._options, self._robots = spec, options, robots
+        self._threads = threads_for(spec.threads, robots)
         self.task = make_task(robots)
         self._actions = action_mode(spec.action)
-        self.action_space: Space[Any] = self._actions.space
+        # A copy: a space has a generator of its own.
+        self.action_space: Space[Any] = deepcopy(self._actions.space)
         self._setups: list[EpisodeSetup | None] = [None] * robots
         self._last_shares = np.zeros((robots, 2))
         self._touching_s = np.zeros(robots)
@@ -208,7 +240,7 @@ class EpisodeBatch:
         states, ring, robots = self.states, self._parts.sonar.ring, self._robots
         sensed: dict[str, NDArray[Any]] = {
             "range": np.empty((robots, len(ring)), np.float32),
-            "validity": np.empty((robots, len(ring)), np.int8),
+            "validity": np.empty((robots, len(ring)), _VALIDITY[self._spec.validity]),
             "speed": np.empty((robots, 2), np.float32),
             "last_action": np.empty((robots, 2), np.float32),
         }
@@ -246,6 +278,7 @@ class EpisodeBatch:
             probability=None if map_ is None else map_.probability,
             grid=None if map_ is None else map_.grid,
             caption=caption,
+            aspect=panel_aspect(self._options.world),  # type: ignore[arg-type]
         )
 
     def close(self) -> None:
@@ -258,16 +291,19 @@ class EpisodeBatch:
         spec, robots = self._spec, self._robots
         backend: Backend
         if spec.engine == "segments" and sonar.compiled_cone() is not None:
-            backend = CompiledBackend(sonar, robots, spec.control_s)
+            backend = CompiledBackend(sonar, robots, spec.control_s, self._threads)
         else:
             backend = EngineBackend(spec.engine, robots, len(sonar.ring), spec.control_s)
         maps = None
         if self.task.needs_maps or spec.map_patch:
-            maps = RobotMaps(robots, sonar.ring, MAP_MODEL, spec.map_range_m)
+            chosen: MapMethod = spec.map_method  # type: ignore[assignment]  # its check made it one
+            maps = maps_by(chosen, robots, sonar.ring, spec.map_range_m, self._threads)
         return _SonarParts(_fixed_by(sonar), sonar, backend, maps)
 
     def _change_to(self, sonar: Sonar, robots: int) -> None:
         """Open another backend and maps if those that are open do not suit a sonar."""
+        # Whatever of it differs: what is fixed may be the same and the order of firing not.
+        check_firing(sonar.firing, len(sonar.ring))
         if _fixed_by(sonar) == self._parts.fixed:
             return
         before = self._parts
@@ -294,7 +330,9 @@ class EpisodeBatch:
         sonars, patch = len(self._parts.sonar.ring), self._spec.map_patch
         spaces: dict[str, Space[Any]] = {
             "range": Box(0.0, 1.0, (sonars,), np.float32),
-            "validity": MultiBinary(sonars),
+            "validity": Box(0.0, 1.0, (sonars,), np.float32)
+            if self._spec.validity == "box"
+            else MultiBinary(sonars),
             "speed": Box(-1.0, 1.0, (2,), np.float32),
             "last_action": Box(-1.0, 1.0, (2,), np.float32),
             # Copies: a space has a generator of its own.

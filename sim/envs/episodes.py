@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -13,17 +12,19 @@ import numpy as np
 import worlds
 from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.facts import RoomFacts, facts_of
+from sim.envs.specs import described
 from sim.envs.tasks.task import TaskSetup
+from sim.envs.values import check_names, in_order, value_of
 from sim.robot.amigobot import BODY_RADIUS_M
 from sim.robot.odometry import OdometryModel
 from sim.sonar import presets as sonars
 from sim.sonar.air import Air
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError
-from sonarmap.errors import did_you_mean, positive
+from sonarmap.errors import did_you_mean, finite, positive
 from worlds import MATERIALS, Pose, World
 
-__all__ = ["EpisodeOptions", "Randomisation", "check_names", "draw_episode"]
+__all__ = ["EpisodeOptions", "Randomisation", "draw_episode"]
 
 WorldChoice = str | Path | World
 
@@ -47,12 +48,16 @@ class Randomisation:
     temperature_c: tuple[float, float] = (20.0, 20.0)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "materials", tuple(self.materials))
+        if isinstance(self.materials, str | Mapping) or not isinstance(self.materials, Iterable):
+            raise InputError(f"materials must be a sequence of names, got {self.materials!r}")
+        object.__setattr__(self, "materials", in_order(self.materials))
         for name in self.materials:
-            if name not in MATERIALS:
-                raise InputError(f"material {name!r} is unknown{did_you_mean(name, MATERIALS)}")
+            if not isinstance(name, str) or name not in MATERIALS:
+                raise InputError(
+                    f"material {name!r} is unknown{did_you_mean(str(name), MATERIALS)}"
+                )
         for name in ("noise", "temperature_c"):
-            _ordered_pair(name, getattr(self, name))
+            object.__setattr__(self, name, _ordered_pair(name, getattr(self, name)))
         positive("noise[0]", self.noise[0])
         for temperature_c in self.temperature_c:
             Air(temperature_c=temperature_c)
@@ -66,11 +71,12 @@ class EpisodeOptions:
     ----------
     world : str, Path, World or a sequence of them
         Name of a room (`worlds.names`), file or room; of several, one is drawn each episode.
-    sonar : str or Sonar
-        A name that `sim.sonar.presets.preset` knows, or a sonar.
-    odometry : OdometryModel, optional
+    sonar : str, Sonar or mapping
+        A name that `sim.sonar.presets.preset` knows, a sonar, or one as a specification keeps it
+        (`sim.envs.specs.described`).
+    odometry : OdometryModel or mapping of its fields, optional
         Errors of the odometry, by default the AmigoBot's.
-    start : str or (float, float, float)
+    start : str, Pose or (float, float, float)
         "random" (anywhere in the room), "world" (the room's own start) or x, y in metres and
         heading in radians.
     goal : str or (float, float)
@@ -80,26 +86,24 @@ class EpisodeOptions:
     """
 
     world: WorldChoice | Sequence[WorldChoice] = "thesis-exp1"
-    sonar: str | Sonar = "aria"
-    odometry: OdometryModel | None = None
-    start: str | tuple[float, float, float] = "random"
+    sonar: str | Sonar | Mapping[str, Any] = "aria"
+    odometry: OdometryModel | Mapping[str, Any] | None = None
+    start: str | Pose | tuple[float, float, float] = "random"
     goal: str | tuple[float, float] = "random"
     randomisation: Randomisation | Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "world", _loaded(self.world))
-        if isinstance(self.sonar, str):
-            object.__setattr__(self, "sonar", sonars.preset(self.sonar))
-        if self.odometry is None:
-            object.__setattr__(self, "odometry", OdometryModel())
-        object.__setattr__(self, "start", _place("start", self.start, 3, ("random", "world")))
-        object.__setattr__(self, "goal", _place("goal", self.goal, 2, ("random",)))
-        if not isinstance(self.randomisation, Randomisation):
-            known = [field.name for field in fields(Randomisation)]
-            given = self.randomisation or {}
-            check_names("randomisation", given, known)
-            drawn = Randomisation(**given)
-            object.__setattr__(self, "randomisation", drawn)
+        def accept(name: str, value: Any) -> None:
+            object.__setattr__(self, name, value)
+
+        accept("world", _loaded(self.world))
+        accept("sonar", _sonar(self.sonar))
+        accept("start", _place("start", self.start, 3, ("random", "world")))
+        accept("goal", _place("goal", self.goal, 2, ("random",)))
+        for name, kind in (("odometry", OdometryModel), ("randomisation", Randomisation)):
+            given = getattr(self, name)
+            # A field of a randomisation is no number: it checks itself.
+            accept(name, value_of(name, kind, {} if given is None else given))
 
     def updated(self, options: Mapping[str, Any] | None) -> EpisodeOptions:
         """Return these options with some replaced.
@@ -109,8 +113,10 @@ class EpisodeOptions:
         InputError
             If there is no such option or its value breaks its rule.
         """
-        if not options:
+        if options is None or options == {}:
             return self
+        if not isinstance(options, Mapping):
+            raise InputError(f"options must be a mapping of their names, got {options!r}")
         check_names("option", options, [field.name for field in fields(self)])
         return replace(self, **options)
 
@@ -134,7 +140,7 @@ def draw_episode(
     rooms: tuple[World, ...] = options.world  # type: ignore[assignment]
     world = rooms[rng.integers(len(rooms))]
     facts = facts_of(world, resolution_m)
-    start = _start(options.start, facts, rng)
+    start = _start(options.start, facts, rng)  # type: ignore[arg-type]
     drawn: Randomisation = options.randomisation  # type: ignore[assignment]
     sonar = _randomised(options.sonar, drawn, rng)  # type: ignore[arg-type]
     if drawn.materials:
@@ -166,39 +172,59 @@ def _randomised(sonar: Sonar, drawn: Randomisation, rng: np.random.Generator) ->
     return sonar.randomised(noise, Air(temperature_c=temperature_c))
 
 
-def _loaded(choice: WorldChoice | Sequence[WorldChoice]) -> tuple[World, ...]:
-    chosen = (choice,) if isinstance(choice, WorldChoice) else tuple(choice)
-    if not chosen:
-        raise InputError("world must name at least one room, got none")
+def _loaded(choice: Any) -> tuple[World, ...]:
+    chosen: tuple[Any, ...] = ()
+    if isinstance(choice, WorldChoice):
+        chosen = (choice,)
+    elif isinstance(choice, Iterable) and not isinstance(choice, Mapping | bytes):
+        chosen = in_order(choice)
+        if not chosen:
+            raise InputError("world must name at least one room, got none")
+    if not chosen or not all(isinstance(room, WorldChoice) for room in chosen):
+        raise InputError(
+            f"world must be the name of a room, a file, a World or a sequence of them, "
+            f"got {choice!r}"
+        )
     return tuple(room if isinstance(room, World) else worlds.load(room) for room in chosen)
 
 
+def _sonar(given: Any) -> Sonar:
+    sonar = given
+    if isinstance(given, str):
+        sonar = sonars.preset(given)
+    elif isinstance(given, Mapping):
+        sonar = described("sonar", given)
+    for need in ("name", "ring", "firing", "array", "compiled_cone"):
+        if isinstance(sonar, type) or not hasattr(sonar, need):
+            raise InputError(f"sonar must be the name of a preset or a sonar, got {given!r}")
+    return sonar  # type: ignore[no-any-return]
+
+
 def _place(name: str, value: Any, size: int, words: tuple[str, ...]) -> Any:
+    if isinstance(value, Pose):
+        value = (value.x_m, value.y_m, value.heading_rad)
     if isinstance(value, str):
         if value in words:
             return value
-    else:
-        try:
-            numbers = tuple(float(number) for number in value)
-        except (TypeError, ValueError):
-            numbers = ()
-        if len(numbers) == size and all(map(math.isfinite, numbers)):
-            return numbers
+    elif (numbers := _numbers(value, size)) is not None:
+        return numbers
     known = " or ".join([*map(repr, words), f"{size} finite numbers"])
     raise InputError(f"{name} must be {known}, got {value!r}")
 
 
-def _ordered_pair(name: str, value: tuple[float, float]) -> None:
+def _ordered_pair(name: str, value: Any) -> tuple[float, float]:
+    match _numbers(value, 2):
+        case (low, high) if low <= high:
+            return low, high
+    raise InputError(f"{name} must be two numbers, the lower one first, got {value!r}")
+
+
+def _numbers(value: Any, size: int) -> tuple[float, ...] | None:
+    """Return so many finite numbers in their order, None if it is anything else."""
+    if not isinstance(value, Iterable) or isinstance(value, str | Mapping | set | frozenset):
+        return None
     try:
-        low, high = (float(number) for number in value)
-    except (TypeError, ValueError):
-        low, high = math.nan, math.nan
-    if not low <= high:
-        raise InputError(f"{name} must be two numbers, the lower one first, got {value!r}")
-
-
-def check_names(what: str, given: Mapping[str, Any], known: list[str]) -> None:
-    """Raise `InputError` if a name that is given is none of the known ones."""
-    for name in given:
-        if name not in known:
-            raise InputError(f"{what} {name!r} is unknown{did_you_mean(str(name), known)}")
+        numbers = tuple(finite("number", number) for number in value)
+    except InputError:
+        return None
+    return numbers if len(numbers) == size else None

@@ -57,6 +57,10 @@ class RoomFacts:
         self.reachable = self._connected(self._room_m >= BODY_RADIUS_M)
         self._distance_m = lru_cache(maxsize=256)(self._distance_from)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What follows from the room is made again where it is read, and shared there.
+        return facts_of, (self.world, self.grid.resolution_m)
+
     @property
     def reachable_cells(self) -> int:
         """How many cells are reachable."""

@@ -81,8 +81,9 @@ class RecordLog(gymnasium.Wrapper[Observation, Any, Observation, Any], RecordCon
 
     def step(self, action: Any) -> tuple[Observation, Any, bool, bool, dict[str, Any]]:
         """Drive for one control step and record what was detected."""
+        if self._episode is None:
+            raise gymnasium.error.ResetNeeded("reset must be called before the next step")
         step = self.env.step(action)
-        assert self._episode is not None, "stepped before reset"
         _, reward, terminated, truncated, _ = step
         self._episode.add(float(reward))
         if terminated or truncated:

@@ -18,7 +18,7 @@ class Rooms:
     """
 
     def __init__(self, robots: int) -> None:
-        self._of_robot: list[World | None] = [None] * robots
+        self._number_of: list[int | None] = [None] * robots
         self._worlds: list[World] = []
         self.table: FaceTable | None = None
         self.surfaces = 0
@@ -28,7 +28,14 @@ class Rooms:
 
         Numbers of rooms that are in use do not change.
         """
-        self._of_robot[row] = world
+        # The room that it leaves may be replaced.
+        self._number_of[row] = None
+        number = self._number(world)
+        self._number_of[row] = number
+        return number
+
+    def _number(self, world: World) -> int:
+        """Return the number of a room, which joins the table if it is not there yet."""
         for number, known in enumerate(self._worlds):
             # Worlds that differ in their materials alone share their faces.
             if known.faces is world.faces:
@@ -45,7 +52,8 @@ class Rooms:
         return number
 
     def _free_number(self) -> int:
-        for number, known in enumerate(self._worlds):
-            if not any(used and known.faces is used.faces for used in self._of_robot):
+        # By number, not by the room itself: the rooms of a copy are other objects.
+        for number in range(len(self._worlds)):
+            if number not in self._number_of:
                 return number
         return len(self._worlds)

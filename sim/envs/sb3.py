@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from sim.envs.env import Observation
+from sim.envs.infos import of_robot
 from sim.envs.vector import SonarVectorEnv
 from sonarmap import InputError
 
@@ -115,10 +116,12 @@ class SB3VecEnv(VecEnv):
 
 def _row_of(info: Mapping[str, Any], row: int) -> dict[str, Any]:
     """Return one robot's part of a vector environment's info, without the masks."""
-    of_robot: dict[str, Any] = {}
-    for name, rows in info.items():
-        if isinstance(rows, Mapping):
-            of_robot[name] = {term: values[row].item() for term, values in rows.items()}
-        elif not name.startswith("_"):
-            of_robot[name] = rows[row].item() if rows.ndim == 1 else rows[row].copy()
-    return of_robot
+    return of_robot(_without_masks(info), row)
+
+
+def _without_masks(info: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        name: _without_masks(rows) if isinstance(rows, Mapping) else rows
+        for name, rows in info.items()
+        if not (name.startswith("_") and name[1:] in info)
+    }

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_checker import check_env
-from stable_baselines3.common.vec_env import VecMonitor
+from stable_baselines3.common.env_util import make_vec_env
+from stable_baselines3.common.vec_env import VecFrameStack, VecMonitor, VecNormalize
 
 import sim  # noqa: F401  registers the environments
 from sim.envs.registration import IDS
@@ -32,7 +33,7 @@ def test_the_checker_finds_nothing(name, options):
 
 def make(name="Navigate", robots=3, **arguments):
     return gymnasium.make_vec(
-        f"sonarbed/{name}-v0",
+        f"sonarbed/{name}-v1",
         num_envs=robots,
         vectorization_mode="vector_entry_point",
         **{"autoreset_mode": "SameStep", **arguments},
@@ -65,6 +66,19 @@ def test_the_adapter_does_what_the_vector_environment_does(rng):
     plain.close()
     adapted.close()
     adapted.close()
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_frames_stack_and_are_normalised(name):
+    singles = make_vec_env(name, n_envs=2, env_kwargs={"map_patch": 40})
+    batch = SB3VecEnv(make(robots=2, map_patch=40))
+    for env in (singles, batch):
+        stacked = VecFrameStack(env, 4)
+        assert stacked.reset()["validity"].shape == (2, 32)
+        measured = [key for key in stacked.observation_space.spaces if key != "map"]
+        normalised = VecNormalize(stacked, norm_obs_keys=measured)
+        assert normalised.reset()["range"].shape == (2, 32)
+        normalised.close()
 
 
 def test_arriving_is_no_time_limit():
@@ -104,7 +118,7 @@ def test_ppo_learns_a_little_through_the_adapter(arguments):
     ("env", "message"),
     [
         (lambda: make(autoreset_mode="NextStep"), "autoreset_mode"),
-        (lambda: gymnasium.make("sonarbed/Navigate-v0"), "must be a vector environment"),
+        (lambda: gymnasium.make("sonarbed/Navigate-v1"), "must be a vector environment"),
     ],
 )
 def test_other_environments_are_refused(env, message):

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import weakref
+from collections.abc import Iterator
 from dataclasses import fields
+from itertools import islice
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +43,7 @@ class EngineBackend:
         self._engine, self._control_s = engine, control_s
         self._robots: list[_Robot | None] = [None] * robots
         self.states = new_states(robots, sonars)
+        self._close_when_dropped()
 
     def begin(self, row: int, setup: EpisodeSetup) -> None:
         """Begin an episode of one robot; what fires at time 0 is read."""
@@ -58,11 +63,29 @@ class EngineBackend:
 
     def close(self) -> None:
         """Close the engines; closing twice is fine."""
-        for row in range(len(self._robots)):
-            self._leave(row)
+        _close_all(self._robots)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy needs: all but the watch over this object."""
+        return {name: value for name, value in self.__dict__.items() if name != "_finalizer"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._close_when_dropped()
+
+    def _close_when_dropped(self) -> None:
+        # Who drops an environment without closing it does not mean to keep its engine.
+        self._finalizer = weakref.finalize(self, _close_all, self._robots)
 
     def _leave(self, row: int) -> None:
         robot, self._robots[row] = self._robots[row], None
+        if robot is not None:
+            robot.engine.close()
+
+
+def _close_all(robots: list[_Robot | None]) -> None:
+    for row, robot in enumerate(robots):
+        robots[row] = None
         if robot is not None:
             robot.engine.close()
 
@@ -75,10 +98,31 @@ class _Robot:
         odometer = Odometer(setup.odometry, setup.start, setup.slip_rng)
         self.motion = Motion(self.engine, odometer)
         self._sonar = setup.sonar
-        self._array = setup.sonar.array(self.engine, setup.world, setup.noise_rng)
-        self._pings = pings(setup.sonar.firing, len(setup.sonar.ring))
-        self._next = next(self._pings)
+        try:
+            self._array = setup.sonar.array(self.engine, setup.world, setup.noise_rng)
+        except BaseException:
+            self.engine.close()
+            raise
+        self._taken = 0
+        self._pings = self._from_here()
+        self._next = self._taken_next()
         self._steps = 0
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy needs: all but the walk through the schedule, which does not copy."""
+        return {name: value for name, value in self.__dict__.items() if name != "_pings"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._pings = self._from_here()
+
+    def _from_here(self) -> Iterator[Ping]:
+        """Return the walk through the schedule from the firings on that are not yet taken."""
+        return islice(pings(self._sonar.firing, len(self._sonar.ring)), self._taken, None)
+
+    def _taken_next(self) -> Ping:
+        self._taken += 1
+        return next(self._pings)
 
     def advance(self, state: np.void, control_s: float) -> None:
         """Drive for a control step, fire what is due, and write the state."""
@@ -91,7 +135,7 @@ class _Robot:
         while self._next.time_s <= end_s + 1e-9:
             self._fire(state, self._next)
             fired += self._next.sonars
-            self._next = next(self._pings)
+            self._next = self._taken_next()
         self.motion.until(end_s)
         if fired:
             echoes = self._array.detect()

@@ -212,7 +212,7 @@ def add_fresh(states, rows, maps, cones, readings, cells, runs):
 
 @njit(parallel=True)
 def add_fresh_together(states, rows, maps, cones, readings, cells, runs):
-    """Do as `add_fresh` on all cores, in as many parts as there are rows of working memory."""
+    """Do as `add_fresh` on all of numba's threads, a part for each row of working memory."""
     jobs = runs.shape[0]
     a, b, c, d, e, f = cells
     for job in prange(jobs):
@@ -261,7 +261,7 @@ def see_patches(patches, states, maps, cell_m):
 
 @njit(parallel=True)
 def see_patches_together(patches, states, maps, cell_m):
-    """Do as `see_patches` on all cores."""
+    """Do as `see_patches` on all of numba's threads."""
     maps = Maps(*maps)
     for robot in prange(states.size):
         _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)

@@ -63,6 +63,8 @@ class Scene:
         Grid of the map in the frame of odometry; given if and only if `probability` is.
     caption : str
         One line, such as ``step 120 · reward 3.2``.
+    aspect : float, optional
+        Width of a panel in heights, see `sim.envs.pictures.layout.layout`.
 
     Raises
     ------
@@ -82,6 +84,7 @@ class Scene:
     probability: NDArray[np.float64] | None = None
     grid: GridSpec | None = None
     caption: str = ""
+    aspect: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("range_m", "cause"):
@@ -123,8 +126,8 @@ def draw(scene: Scene, *, height_px: int = 480) -> NDArray[np.uint8]:
     Returns
     -------
     ndarray of uint8, shape (height_px, width, 3)
-        Red, green and blue. The width depends on the room's bounds and on whether there is a
-        map, on nothing else; see `layout`.
+        Red, green and blue. The width, an even number, depends on the room's bounds or the
+        scene's aspect and on whether there is a map, on nothing else; see `layout`.
 
     Notes
     -----
@@ -133,7 +136,12 @@ def draw(scene: Scene, *, height_px: int = 480) -> NDArray[np.uint8]:
     radius that collides, in `ROBOT_COLOURS`. Where odometry believes the robot to be is an
     outline, in the room and on the map. In the map black is occupied and white is free.
     """
-    plan = layout(scene.world, with_map=scene.grid is not None, height_px=height_px)
+    plan = layout(
+        scene.world,
+        with_map=scene.grid is not None,
+        height_px=height_px,
+        aspect=scene.aspect,
+    )
     background, room = _still(scene.world, plan)
     frame = background.copy()
     frame.paste(_room_panel(scene, plan, room.copy()), plan.room_px)

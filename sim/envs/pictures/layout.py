@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, lru_cache
 
@@ -14,7 +15,7 @@ from sonarmap.errors import within
 from worlds import World
 from worlds.colours import CAUSE_COLOURS
 
-__all__ = ["BELIEVED_COLOUR", "LEGEND", "Layout", "font", "layout"]
+__all__ = ["BELIEVED_COLOUR", "LEGEND", "Layout", "font", "layout", "panel_aspect"]
 
 BELIEVED_COLOUR = "#7A4EA3"
 """Outline of the robot where odometry believes it to be."""
@@ -74,7 +75,14 @@ class Layout:
         return (np.asarray(xy_m, float) - self.corner_m) * (scale, -scale)
 
 
-def layout(world: World, *, with_map: bool, height_px: int = 480) -> Layout:
+def panel_aspect(rooms: Iterable[World]) -> float:
+    """Return the width of a panel that suits several rooms, in heights: what the widest needs."""
+    return max(_aspect(_padded(room.bounds_m)) for room in rooms)
+
+
+def layout(
+    world: World, *, with_map: bool, height_px: int = 480, aspect: float | None = None
+) -> Layout:
     """Return where the parts of the frames of a room are.
 
     Parameters
@@ -84,7 +92,11 @@ def layout(world: World, *, with_map: bool, height_px: int = 480) -> Layout:
     with_map : bool
         Whether a map is shown beside it.
     height_px : int
-        Height of the frame in pixels, within [160, 4320].
+        Height of the frame in pixels, within [160, 4320]. The width is even, as video encoders
+        need it.
+    aspect : float, optional
+        Width of a panel in heights, for frames of one size for several rooms (`panel_aspect`); by
+        default what this room needs. The room is in the middle.
 
     Raises
     ------
@@ -93,18 +105,21 @@ def layout(world: World, *, with_map: bool, height_px: int = 480) -> Layout:
     """
     if within("height_px", height_px, *_HEIGHT_PX) != int(height_px):
         raise InputError(f"height_px must be a whole number, got {height_px!r}")
-    return _layout(_padded(world.bounds_m), 2 if with_map else 1, int(height_px))
+    bounds_m = _padded(world.bounds_m)
+    wide = _aspect(bounds_m) if aspect is None else aspect
+    return _layout(bounds_m, wide, 2 if with_map else 1, int(height_px))
 
 
 @lru_cache(maxsize=64)
-def _layout(bounds_m: _Bounds, panels: int, height_px: int) -> Layout:
+def _layout(bounds_m: _Bounds, aspect: float, panels: int, height_px: int) -> Layout:
     font_px = max(_FONT_MIN_PX, round(height_px * _FONT_SHARE))
     line_px, gap_px = round(1.5 * font_px), font_px // 2
     # A narrow frame breaks its legend into two lines; one too small for that has none.
     for lines in (1, 2, 0):
         tall_px = height_px - (1 + lines) * line_px - 2 * gap_px
-        wide_px = _panel_width(bounds_m, tall_px)
+        wide_px = round(aspect * tall_px)
         width_px = panels * (wide_px + gap_px) + gap_px
+        width_px += width_px % 2
         columns_px, legend_width_px = _legend_columns(font_px, lines)
         if legend_width_px <= width_px - 2 * gap_px:
             break
@@ -130,10 +145,9 @@ def _padded(bounds_m: _Bounds) -> _Bounds:
     return x_min - air_m, y_min - air_m, x_max + air_m, y_max + air_m
 
 
-def _panel_width(bounds_m: _Bounds, tall_px: int) -> int:
+def _aspect(bounds_m: _Bounds) -> float:
     x_min, y_min, x_max, y_max = bounds_m
-    aspect = np.clip((x_max - x_min) / (y_max - y_min), *_PANEL_ASPECT)
-    return round(float(aspect) * tall_px)
+    return float(np.clip((x_max - x_min) / (y_max - y_min), *_PANEL_ASPECT))
 
 
 def _fitted(bounds_m: _Bounds, wide_px: int, tall_px: int) -> tuple[float, tuple[float, float]]:

@@ -11,13 +11,15 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from sim.envs.values import value_of
+from sonarmap.errors import finite
 from worlds import Pose
 
 if TYPE_CHECKING:  # `import sim` loads the tasks, and what they are handed is slow to load
     from _typeshed import DataclassInstance
 
     from sim.envs.facts import RoomFacts
-    from sim.envs.maps.robot_maps import RobotMaps
+    from sim.envs.maps.grids import MapGrids
 
 __all__ = ["Evaluation", "StepOutcome", "Task", "TaskSetup", "weighted"]
 
@@ -56,14 +58,14 @@ class StepOutcome:
         Robots that have touched something for too long.
     effort : ndarray, shape (robots,)
         Mean square of the wanted wheel speeds, as shares of the fastest; in [0, 1].
-    maps : RobotMaps or None
+    maps : MapGrids or None
         What the robots have mapped, if anybody asks for it.
     """
 
     states: NDArray[np.void]
     stuck: NDArray[np.bool_]
     effort: NDArray[np.float64]
-    maps: RobotMaps | None
+    maps: MapGrids | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +102,7 @@ class Task(ABC):
     robots : int
         How many.
     weights : object, optional
-        Weights of the reward's terms, by default ``weights_class()``.
+        Weights of the reward's terms, see `weights_of`.
     """
 
     weights_class: ClassVar[type[DataclassInstance]]
@@ -116,7 +118,24 @@ class Task(ABC):
     """What the robot observes beside what it senses."""
 
     def __init__(self, robots: int, weights: DataclassInstance | None = None) -> None:
-        self._weights = asdict(self.weights_class() if weights is None else weights)
+        self._weights = asdict(self.weights_of(weights))
+
+    @classmethod
+    def weights_of(cls, given: Any) -> DataclassInstance:
+        """Return weights that are given as `weights_class`, as a mapping of its fields, or not.
+
+        Parameters
+        ----------
+        given : object
+            A value of `weights_class`, a mapping of some of its fields to finite numbers, or None
+            for ``weights_class()``.
+
+        Raises
+        ------
+        InputError
+            If it is neither, or a weight is unknown or no finite number.
+        """
+        return value_of("weights", cls.weights_class, {} if given is None else given, finite)
 
     def begin(self, row: int, setup: TaskSetup) -> None:  # noqa: B027 - nothing, by default
         """Begin the episode of one robot."""

@@ -12,7 +12,7 @@ import dataclasses
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,15 @@ from sonarmap.occupancy import OccupancyMap
 from sonarmap.parameters import Space
 from sonarmap.rings import SonarRing
 
-__all__ = ["Bayes", "BayesMap", "BayesUpdating", "NoEcho", "evidence_of", "reading_limit_m"]
+__all__ = [
+    "Bayes",
+    "BayesMap",
+    "BayesUpdating",
+    "Evidence",
+    "NoEcho",
+    "evidence_of",
+    "reading_limit_m",
+]
 
 NoEcho = Literal["ignore", "clear"]
 
@@ -92,6 +100,15 @@ class BayesUpdating(ABC):
         """Return an empty map, to which readings are added one at a time."""
         return BayesMap(self, ring, grid)
 
+    def compiled_evidence(self, ring: SonarRing) -> Evidence | None:
+        """Return what it adds for a reading, for compiled code that maps many robots at once.
+
+        None if it does anything else than to add the log-odds of the regions of readings.
+        """
+        if self.no_echo != "ignore" or math.isfinite(self.log_odds_limit):
+            return None
+        return Evidence(self.sensor_model(ring), self.longest_reading_m(ring))
+
 
 @dataclass(frozen=True)
 class Bayes(BayesUpdating):
@@ -118,6 +135,13 @@ class Bayes(BayesUpdating):
     def space(cls) -> Space:
         """Return nothing: the model is given."""
         return {}
+
+
+class Evidence(NamedTuple):
+    """What readings say: the regions of a sensor model, up to a longest reading in metres."""
+
+    model: SensorModel
+    limit_m: float
 
 
 class BayesMap:

@@ -96,7 +96,7 @@ def test_there_are_no_other_environments():
 
 
 def test_a_task_of_ones_own_is_made_by_its_module(spin):
-    env = gymnasium.make("sim:sonarbed/Task-v0", task=spin, world="office", action="wheels")
+    env = gymnasium.make("sim:sonarbed/Task-v1", task=spin, world="office", action="wheels")
     observation, _ = env.reset(seed=0)
     assert env.observation_space.contains(observation)
     assert observation["far"].shape == (1,)
@@ -116,15 +116,15 @@ def test_a_task_of_ones_own_is_made_by_its_module(spin):
 
 
 def test_its_weights_and_its_class_may_be_given(spin):
-    env = gymnasium.make("sim:sonarbed/Task-v0", task=Spin, weights=SpinWeights(turn=0.0))
+    env = gymnasium.make("sim:sonarbed/Task-v1", task=Spin, weights=SpinWeights(turn=0.0))
     env.reset(seed=0)
     assert env.step(np.ones(2, np.float32))[1] == 0.0
 
 
 def test_many_of_it_do_what_one_does(spin):
-    single = gymnasium.make("sim:sonarbed/Task-v0", task=spin, world="office")
+    single = gymnasium.make("sim:sonarbed/Task-v1", task=spin, world="office")
     many = gymnasium.make_vec(
-        "sim:sonarbed/Task-v0",
+        "sim:sonarbed/Task-v1",
         num_envs=3,
         vectorization_mode="vector_entry_point",
         task=spin,
@@ -151,7 +151,7 @@ def test_many_of_it_do_what_one_does(spin):
 )
 def test_what_is_no_task_is_refused(mine, task, message):
     with pytest.raises(InputError, match=message):
-        gymnasium.make("sim:sonarbed/Task-v0", task=task)
+        gymnasium.make("sim:sonarbed/Task-v1", task=task)
 
 
 def test_the_task_of_an_installed_package_has_an_environment(spin, monkeypatch):
@@ -162,8 +162,10 @@ def test_the_task_of_an_installed_package_has_an_environment(spin, monkeypatch):
     )
     monkeypatch.setattr("sim.envs.registration.register", register := Registered())
     sim.envs.registration.register_all()
-    assert register.made["sonarbed/Spin-v0"]["kwargs"] == {"task": "Spin"}
-    env = sim.envs.environments.task_env(**register.made["sonarbed/Spin-v0"]["kwargs"])
+    assert register.made["sonarbed/Spin-v1"]["kwargs"] == {"task": "Spin"}
+    former = register.made["sonarbed/Spin-v0"]["kwargs"]
+    assert former == {"task": "Spin", "validity": "multibinary"}
+    env = sim.envs.environments.task_env(**register.made["sonarbed/Spin-v1"]["kwargs"])
     assert isinstance(env.unwrapped.batch.task, Spin)
     assert sim.envs.environments.SpinEnv is env_class(Spin)
 

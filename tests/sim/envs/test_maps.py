@@ -1,9 +1,15 @@
 """The robots' own maps are those of `build_map`, and what they gain is what `score_map` says."""
 
+import dataclasses
 import math
+import pickle
+from typing import ClassVar
 
+import gymnasium
 import numpy as np
 import pytest
+from gymnasium.envs.registration import EnvSpec
+from sameness import assert_same
 from support import make_log
 
 import sonarmap as sm
@@ -12,8 +18,11 @@ from sim import OdometryModel
 from sim.envs.backends.compiled.backend import CompiledBackend
 from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.facts import facts_of
-from sim.envs.maps.robot_maps import RobotMaps
+from sim.envs.maps.method_maps import MethodMaps
+from sim.envs.maps.robot_maps import MAP_MODEL, RobotMaps
 from sim.sonar import presets as sonars
+from sonarmap.methods.bayes.standard import BayesStandard
+from sonarmap.methods.bayes.updating import Bayes
 
 MODEL = sm.ParameterizedModel.thesis()
 SONAR = sonars.preset("aria")
@@ -145,3 +154,111 @@ def test_ahead_is_up_and_left_is_left():
     assert (left > 128).any()
     assert (left < 128).any()
     assert (right == 128).all()
+
+
+def explorer(**arguments):
+    return gymnasium.make("sonarbed/Explore-v1", world="office", map_patch=16, **arguments)
+
+
+def driven(env, steps=25):
+    env.action_space.seed(2)
+    return [env.reset(seed=2), *(env.step(env.action_space.sample()) for _ in range(steps))]
+
+
+@dataclasses.dataclass(frozen=True)
+class Plain:
+    """The default method behind another's face: it offers nothing compiled."""
+
+    trust: float = 0.6
+    name: ClassVar[str] = "plain"
+
+    def begin(self, ring, grid):
+        return Bayes(dataclasses.replace(MAP_MODEL, p4=self.trust)).begin(ring, grid)
+
+
+def test_any_method_maps_as_the_compiled_one_does():
+    compiled, plain = explorer(), explorer(map_method=Plain())
+    for one, other in zip(driven(compiled), driven(plain), strict=True):
+        for name, values in one[0].items():
+            # The order of sums within a step differs.
+            np.testing.assert_allclose(values.astype(float), other[0][name].astype(float), atol=1)
+        if len(one) == 5:
+            assert other[1] == pytest.approx(one[1], abs=1e-4)
+            assert other[4]["mapped_share"] == one[4]["mapped_share"]
+            assert other[4]["reward_terms"]["area"] == pytest.approx(one[4]["reward_terms"]["area"])
+    one, other = (env.unwrapped.occupancy_map for env in (compiled, plain))
+    np.testing.assert_allclose(one.log_odds, other.log_odds, atol=1e-9)
+    assert (one.log_odds != 0).any()
+
+
+@pytest.mark.parametrize(
+    ("given", "kind"),
+    [
+        (None, RobotMaps),
+        ("bayes-standard", RobotMaps),
+        ("sonarmap.methods.bayes.standard:BayesStandard", RobotMaps),
+        ({"type": "bayes-parameterized", "p4": 0.7, "p2": 0.05}, RobotMaps),
+        (BayesStandard(max_occupied=0.7), RobotMaps),
+        (BayesStandard, RobotMaps),
+        (BayesStandard(no_echo="clear"), MethodMaps),
+        (BayesStandard(log_odds_limit=3.0), MethodMaps),
+        (Plain(trust=0.7), MethodMaps),
+    ],
+)
+def test_a_method_may_be_given_in_every_way(given, kind):
+    env = explorer(map_method=given)
+    told = driven(env)
+    assert type(env.unwrapped.batch._parts.maps) is kind
+    assert told[-1][4]["mapped_share"] > 0
+    # And its specification makes it again, its copy goes on, and a batch does the same.
+    assert_same(driven(gymnasium.make(EnvSpec.from_json(env.spec.to_json()))), told)
+    env.reset(seed=4)
+    other = pickle.loads(pickle.dumps(env))
+    step = env.step(np.ones(2, np.float32))
+    assert_same(other.step(np.ones(2, np.float32)), step)
+    many = gymnasium.make_vec(env.spec.id, num_envs=2, **env.spec.kwargs)
+    many.reset(seed=4)
+    rows = many.step(np.ones((2, 2), np.float32))
+    assert rows[1][0] == step[1]
+    assert np.array_equal(rows[0]["map"][0], step[0]["map"])
+
+
+class Whole:
+    """A method that maps whole logs."""
+
+    name = "whole"
+
+    def map(self, log, grid):
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (Whole(), r"map_method must take readings one at a time, by .begin\(ring, grid\), since"),
+        (Whole, "map_method must take readings one at a time"),
+        (lambda log, grid: None, "map_method must take readings one at a time"),
+        (3, "map_method must take readings one at a time .*got 3, which does not"),
+        ("bayes-standart", "method 'bayes-standart' is unknown; did you mean 'bayes-standard'"),
+        ({"type": "bayes-standard", "beta": 1}, "has no parameter 'beta'"),
+        ({"p4": 0.7}, "map_method given as a mapping must have the key 'type'"),
+    ],
+)
+def test_what_cannot_map_as_a_robot_drives_is_refused(given, message):
+    with pytest.raises(sm.InputError, match=message.replace("time .", "time, .")):
+        explorer(map_method=given)
+
+
+class Elsewhere:
+    """Maps on a grid of its own."""
+
+    def begin(self, ring, grid):
+        return self
+
+    map = sm.OccupancyMap(sm.GridSpec(0.5, (0.0, 0.0), (2, 2)), np.zeros((2, 2)))
+
+
+def test_a_map_must_be_on_the_grid_that_it_was_given():
+    env = explorer(map_method=Elsewhere())
+    with pytest.raises(sm.InputError, match="its map must be on the grid given"):
+        env.reset(seed=0)

@@ -11,7 +11,7 @@ from sonarmap import InputError
 
 def drive(name, policy, *, world, seed, steps, **arguments):
     """Return the sum of the rewards and the last info of an episode's first steps."""
-    env = gymnasium.make(f"sonarbed/{name}-v0", world=world, **arguments)
+    env = gymnasium.make(f"sonarbed/{name}-v1", world=world, **arguments)
     observation, _ = env.reset(seed=seed)
     act, score = policy(env), 0.0
     for _ in range(steps):
@@ -40,7 +40,7 @@ def observation(range_share=1.0, **changes):
 
 @pytest.mark.parametrize("action", ["velocity", "wheels", "discrete"])
 def test_random_actions_are_in_the_space_and_are_those_of_the_seed(action):
-    with gymnasium.make("sonarbed/FollowWall-v0", action=action) as env:
+    with gymnasium.make("sonarbed/FollowWall-v1", action=action) as env:
         before = repr(env.action_space.np_random.bit_generator.state)
         first, again = randomly(env), randomly(env)
         for _ in range(20):
@@ -176,7 +176,7 @@ def test_bad_numbers_are_named(make, arguments, message):
 
 
 def test_in_a_closed_room_the_wall_follower_never_touches():
-    env = gymnasium.make("sonarbed/FollowWall-v0", world=closed_room(1.5))
+    env = gymnasium.make("sonarbed/FollowWall-v1", world=closed_room(1.5))
     seen, _ = env.reset(seed=3)
     act, touched = wall_follow_policy(), 0.0
     for _ in range(300):

@@ -12,12 +12,14 @@ from sim.envs.backends.compiled.cone import RingGeometry
 from sim.envs.backends.compiled.stepping import (
     Draws,
     advance_alone,
+    advance_in_turn,
     advance_together,
     body_dtype,
 )
 from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.rooms import Rooms
 from sim.envs.states import new_states
+from sim.envs.threads import numba_threads
 from sim.robot.clock import physics_steps
 from sim.robot.odometry import drawn_errors
 from sim.sonar.cone.compiled import CompiledCone
@@ -43,9 +45,12 @@ class CompiledBackend:
         How many.
     control_s : float
         Length of a control step, a multiple of `sim.robot.amigobot.PHYSICS_DT_S`.
+    threads : int
+        How many threads advance them.
     """
 
-    def __init__(self, sonar: Sonar, robots: int, control_s: float) -> None:
+    def __init__(self, sonar: Sonar, robots: int, control_s: float, threads: int = 1) -> None:
+        self._threads = threads
         ring, sonars = sonar.ring, len(sonar.ring)
         rays = _cone_of(sonar).rays
         self._steps = physics_steps(control_s)
@@ -101,7 +106,9 @@ class CompiledBackend:
         if rows.size == 1:
             self._call(advance_alone, wanted_mps, self._steps, rows[0])
         elif rows.size:
-            self._call(advance_together, wanted_mps, self._steps, rows)
+            with numba_threads(self._threads) as several:
+                advance = advance_together if several else advance_in_turn
+                self._call(advance, wanted_mps, self._steps, rows)
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""

@@ -29,7 +29,7 @@ from sonarmap import LogTruth
 from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 
-__all__ = ["Draws", "advance_alone", "advance_together", "body_dtype"]
+__all__ = ["Draws", "advance_alone", "advance_in_turn", "advance_together", "body_dtype"]
 
 _NO_SOURCE = int(LogTruth.NO_SOURCE)
 
@@ -189,9 +189,16 @@ def advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, ste
     )
 
 
+@njit()
+def advance_in_turn(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
+    """Do as `advance_together` on one core."""
+    for row in rows:
+        advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, row)
+
+
 @njit(parallel=True)
 def advance_together(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
-    """Advance robots by one control step, on all cores.
+    """Advance robots by one control step, on all of numba's threads.
 
     Parameters
     ----------
