@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from worlds import Pose, RayHits
-from worlds.facetable import FaceTable
+
+if TYPE_CHECKING:
+    from worlds.facetable import FaceTable
 
 __all__ = ["ClosedByWith", "Engine", "RayCaster", "table_of"]
 
