@@ -1,8 +1,8 @@
 """Steps a second of the environments: on both engines, alone and as a vector; memory.
 
-Control at 10 Hz, eight sonars of 31 rays, in `office`. The engine `bullet` is compared with a bare
-loop of the same PyBullet calls, recorded from the environment's own steps; the others with ir-sim
-(248 lidar beams) where that is installed.
+Control at 10 Hz, eight sonars, exact or (on `bullet`) of 31 rays, in `office`. The engine `bullet`
+is compared with a bare loop of the same PyBullet calls, recorded from the environment's own steps;
+the others with ir-sim (248 lidar beams) where that is installed.
 """
 
 import resource
@@ -13,6 +13,7 @@ import numpy as np
 
 from sim.envs.registration import IDS
 from sim.sonar import presets as sonars  # importing sim registers the environments
+from sim.sonar.cone.sonar import FAN_RAYS
 
 RUNS = 7
 SHORT, LONG = 100, 1000
@@ -20,7 +21,7 @@ ROBOTS = 256
 
 
 def main() -> None:
-    assert len(sonars.preset("aria").ring) * sonars.preset("aria").rays == 8 * 31
+    assert len(sonars.preset("aria").ring) * FAN_RAYS == 8 * 31
     bullet()
     peer = irsim_steps()
     for name in IDS:

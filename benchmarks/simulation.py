@@ -15,6 +15,7 @@ from sim.engines.bullet import Bullet
 from sim.engines.opening import open_engine
 from sim.robot import amigobot
 from sim.sonar import presets as sonars
+from sim.sonar.cone.sonar import FAN_RAYS
 
 SCANS = 1000
 
@@ -53,7 +54,7 @@ def recorded_batches(world: worlds.World) -> list[list[tuple[np.ndarray, np.ndar
         end = begin.copy()
         begin[:, :2] = origins
         end[:, :2] = origins + range_max_m[:, None] * directions
-        if len(origins) == 8 * sonars.preset("thesis").rays:
+        if len(origins) == 8 * FAN_RAYS:
             scans.append([])
         scans[-1].append((begin, end))
         return cast(self, origins, directions, range_max_m)

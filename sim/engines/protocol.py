@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from worlds import Pose, RayHits
 
-__all__ = ["ClosedByWith", "Engine", "RayCaster"]
+if TYPE_CHECKING:
+    from worlds.facetable import FaceTable
+
+__all__ = ["ClosedByWith", "Engine", "RayCaster", "table_of"]
 
 
 class RayCaster(Protocol):
-    """Casts rays at the surfaces of a world; the robot itself is invisible to them."""
+    """Casts rays at the surfaces of a world; the robot itself is invisible to them.
+
+    One that knows the faces themselves has them as ``table``, see `table_of`.
+    """
 
     def cast(
         self,
@@ -31,6 +37,15 @@ class RayCaster(Protocol):
         range_max_m : ndarray, shape (n,)
             How far each ray goes, metres, > 0.
         """
+
+
+def table_of(rays: RayCaster) -> FaceTable | None:
+    """Return the faces, as the only room of a table, that a ray caster knows; None if it does not.
+
+    Faces need no rays: what is nearest in a cone follows from them in closed form.
+    """
+    table: FaceTable | None = getattr(rays, "table", None)
+    return table
 
 
 class Engine(RayCaster, Protocol):

@@ -29,12 +29,17 @@ class Segments(ClosedByWith):
         Where the robot begins, clear of every solid.
     gui : bool
         Must be False: there is no window.
+
+    Attributes
+    ----------
+    table : FaceTable
+        The faces, see `sim.engines.protocol.table_of`.
     """
 
     def __init__(self, world: World, start: Pose, *, gui: bool = False) -> None:
         if gui:
             raise InputError("engine 'segments' has no window: gui needs engine 'bullet'")
-        self._table = world.faces.table
+        self.table = world.faces.table
         self._pose = np.array([start.x_m, start.y_m, start.heading_rad], float)
         self._speeds_mps, self._turns_rad = np.zeros((2, 2))
 
@@ -56,7 +61,7 @@ class Segments(ClosedByWith):
         """Drive towards the given wheel speeds; return whether the robot touched something."""
         steps = round(duration_s / PHYSICS_DT_S)
         touched: bool = drive(
-            self._table,
+            self.table,
             0,
             self._pose,
             self._speeds_mps,
@@ -74,4 +79,4 @@ class Segments(ClosedByWith):
         range_max_m: NDArray[np.float64],
     ) -> RayHits:
         """Return the first surface within ``range_max_m`` of each ray."""
-        return RayHits(*cast_rays(self._table, 0, origins_xy_m, directions_xy, range_max_m))
+        return RayHits(*cast_rays(self.table, 0, origins_xy_m, directions_xy, range_max_m))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from sim import catalogue
 from sim.robot import amigobot
+from sim.robot.compiled import CONSTANT, FOLLOW, ROUTE, WANDER, CompiledDriver
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import finite, positive
 from sonarmap.registry import Registry
@@ -110,6 +111,10 @@ class ConstantSpeeds:
         """Return the controller of one drive."""
         return lambda sensed: (self.left_mps, self.right_mps)
 
+    def compiled(self) -> CompiledDriver:
+        """Return it as numbers for compiled drives, see `sim.robot.deciding`."""
+        return CompiledDriver(CONSTANT, (self.left_mps, self.right_mps))
+
 
 @dataclass(frozen=True)
 class Waypoints:
@@ -152,6 +157,13 @@ class Waypoints:
             return _wheels(speed, max(-_TURN_RADPS, min(_TURN_RADPS, 1.5 * error)))
 
         return control
+
+    def compiled(self) -> CompiledDriver:
+        """Return it as numbers for compiled drives, see `sim.robot.deciding`."""
+        numbers = self.speed_mps, self.reached_m, _TURN_RADPS
+        return CompiledDriver(
+            ROUTE, numbers, points_m=tuple(self.points_m) + tuple(self.points_m[-2:0:-1])
+        )
 
 
 @dataclass(frozen=True)
@@ -206,6 +218,15 @@ class WallFollower:
 
         return control
 
+    def compiled(self) -> CompiledDriver:
+        """Return it as numbers for compiled drives, see `sim.robot.deciding`."""
+        towards = 1 if self.side == "left" else -1
+        numbers = (
+            self.distance_m, float(towards), self.speed_mps, _TURN_RADPS, _BACK_S, _GIVE_UP_RAD
+        )  # fmt: skip
+        low_deg, high_deg = sorted((35.0 * towards, 95.0 * towards))
+        return CompiledDriver(FOLLOW, numbers, ((-20.0, 20.0), (low_deg, high_deg)))
+
 
 @dataclass(frozen=True)
 class RandomWander:
@@ -256,6 +277,11 @@ class RandomWander:
             return _wheels(self.speed_mps, 0.0)
 
         return control
+
+    def compiled(self) -> CompiledDriver:
+        """Return it as numbers for compiled drives, see `sim.robot.deciding`."""
+        numbers = self.speed_mps, self.clearance_m, self.whim_s, _TURN_RADPS, _BACK_S
+        return CompiledDriver(WANDER, numbers, ((-50.0, 50.0), (35.0, 95.0), (-95.0, -35.0)))
 
 
 STRAIGHT = ConstantSpeeds(0.1, 0.1)

@@ -9,12 +9,12 @@ __all__ = ["CompiledCone"]
 
 @dataclass(frozen=True, slots=True)
 class CompiledCone:
-    """A sonar whose ring fires all at once and takes the first return of a fan of rays.
+    """A sonar whose ring fires all at once and takes the first return.
 
     Parameters
     ----------
-    rays : int
-        Rays of a fan, evenly spread over the ring's cone.
+    rays : int or None
+        Rays of a fan, evenly spread over the ring's cone; None for the whole cone.
     max_bounces : int
         How many mirroring surfaces a sound is traced over.
     threshold : float
@@ -27,7 +27,7 @@ class CompiledCone:
         What the roughness of surfaces is multiplied with.
     """
 
-    rays: int
+    rays: int | None
     max_bounces: int
     threshold: float
     noise_std_m: float

@@ -40,9 +40,16 @@ def speeds(rng, robots):
     return rng.uniform(-0.1, 0.75, (robots, 2))
 
 
-@pytest.mark.parametrize("name", ["aria", "thesis", "webots"])
-def test_a_batch_is_its_robots_one_by_one(name, rng):
-    sonar = sonars.preset(name)
+@pytest.mark.parametrize(
+    ("name", "sonar"),
+    [
+        ("aria", sonars.preset("aria")),
+        ("thesis", sonars.preset("thesis")),
+        ("fan", sonars.preset("aria").replace(rays=31)),
+        ("webots", sonars.preset("webots")),
+    ],
+)
+def test_a_batch_is_its_robots_one_by_one(name, sonar, rng):
     rooms = ("office", "clutter", "round-room")
     batch = CompiledBackend(sonar, len(rooms), CONTROL_S)
     alone = EngineBackend("segments", len(rooms), len(sonar.ring), CONTROL_S)

@@ -59,9 +59,9 @@ class CompiledBackend:
         self._bodies = np.zeros(robots, body_dtype())
         self._rooms = Rooms(robots)
         half_rad = ring.half_angle_rad
-        bearing_rad = np.linspace(-half_rad, half_rad, rays)
+        bearing_rad = np.linspace(-half_rad, half_rad, 0 if rays is None else rays)
         mounts = np.column_stack([ring.x_m, ring.y_m, ring.heading_rad])
-        self._ring = RingGeometry(mounts, np.cos(bearing_rad), np.sin(bearing_rad))
+        self._ring = RingGeometry(mounts, half_rad, np.cos(bearing_rad), np.sin(bearing_rad))
         self._materials = np.zeros((robots, 3, 1))
         firings = math.ceil(_STEPS_AHEAD * self._steps / self._period) + 1
         self._noise = _Normals(robots, firings, sonars)

@@ -1,4 +1,4 @@
-"""The simple cone in one compiled call: `sim.ConeSonar.listen` on the faces of a room.
+"""The simple cone of rays in one compiled call: `sim.ConeSonar.listen` on the faces of a room.
 
 It finds the same first return as the steps in `sim.sonar.cone.kernel`: the fan at once, then the
 mirrored rays one by one, none farther than the first return so far.
@@ -32,11 +32,15 @@ class RingGeometry(NamedTuple):
     ----------
     mounts : ndarray, shape (sonars, 3)
         Place and axis of each sonar in the robot's frame.
+    half_rad : float
+        Half angle of the cones.
     cos_bearing, sin_bearing : ndarray, shape (rays,)
-        Bearings of the rays off the axis, rising; the axis is in the middle.
+        Bearings of the rays off the axis, rising; the axis is in the middle. No rays: the whole
+        cone counts, see `sim.sonar.cone.exact`.
     """
 
     mounts: NDArray[np.float64]
+    half_rad: float
     cos_bearing: NDArray[np.float64]
     sin_bearing: NDArray[np.float64]
 

@@ -24,6 +24,7 @@ from sim.robot.amigobot import BODY_LENGTH_M, PHYSICS_DT_S, WHEEL_RADIUS_M
 from sim.robot.kinematics import drive
 from sim.robot.odometry import reckon
 from sim.sonar.causes import cause_of
+from sim.sonar.cone.exact.echo import exact_echoes, hear_ring
 from sim.sonar.cone.kernel import Surfaces, measured
 from sonarmap import LogTruth
 from sonarmap.kernels.jit import njit
@@ -98,32 +99,37 @@ class Draws(NamedTuple):
 @njit()
 def _fire(table, state, body, surfaces, ring, noise):
     """Let all sonars of a robot fire and read them, as `sim.ConeSonar.listen` does."""
-    mounts, sonars = ring.mounts, ring.mounts.shape[0]
     x, y, heading = state.true_pose[0], state.true_pose[1], state.true_pose[2]
     cos, sin = math.cos(heading), math.sin(heading)
-    memory = cone_memory(ring.cos_bearing.size)
+    mounts, sonars = ring.mounts, ring.mounts.shape[0]
+    places, axes = np.empty((sonars, 2)), np.empty(sonars)
+    for k in range(sonars):
+        places[k, 0] = x + cos * mounts[k, 0] - sin * mounts[k, 1]
+        places[k, 1] = y + sin * mounts[k, 0] + cos * mounts[k, 1]
+        axes[k] = heading + mounts[k, 2]
     limits = ConeLimits(body.far_m, body.max_bounces, body.threshold)
     # No sonar is farther from the robot's middle than its body reaches.
-    near = faces_near(table, body.room, x, y, body.far_m + BODY_LENGTH_M)
-    echo_m, bounces = np.empty(sonars), np.empty(sonars, np.int16)
-    for k in range(sonars):
-        echo_m[k], surface, bounces[k], incidence_cos, axis_range_m, cone_range_m = cone_echo(
-            table, body.room, near,
-            (
-                x + cos * mounts[k, 0] - sin * mounts[k, 1],
-                y + sin * mounts[k, 0] + cos * mounts[k, 1],
-                heading + mounts[k, 2],
-            ),
-            ring, limits, surfaces, memory,
+    if ring.cos_bearing.size == 0:
+        echoes = hear_ring(
+            table, body.room, x, y, BODY_LENGTH_M, places, axes, ring.half_rad,
+            limits, surfaces.critical_cos, surfaces.reflectivity,
         )  # fmt: skip
+    else:
+        near = faces_near(table, body.room, x, y, body.far_m + BODY_LENGTH_M)
+        echoes = _fans(table, body.room, near, places, axes, ring, limits, surfaces)
+    cause = cause_of(echoes.echo_m, echoes.bounces, echoes.axis_range_m, echoes.cone_range_m)
+    for k in range(sonars):
+        surface = echoes.surface[k]
         silent = surface < 0
         state.range_m[k] = measured(
-            echo_m[k], 0.0 if silent else surfaces.roughness_m[surface], noise[k],
+            echoes.echo_m[k], 0.0 if silent else surfaces.roughness_m[surface], noise[k],
             body.noise_std_m, body.scale, body.quantum_m, body.near_m, body.far_m, body.silent_m,
         )  # fmt: skip
-        state.axis_range_m[k], state.cone_range_m[k] = axis_range_m, cone_range_m
-        state.surface[k], state.bounces[k] = surface, bounces[k]
-        state.incidence_rad[k] = np.nan if silent else math.acos(min(incidence_cos, 1.0))
+        state.axis_range_m[k] = echoes.axis_range_m[k]
+        state.cone_range_m[k] = echoes.cone_range_m[k]
+        state.surface[k], state.bounces[k] = surface, echoes.bounces[k]
+        state.incidence_rad[k] = echoes.incidence_rad[k]
+        state.cause[k] = cause[k]
         state.level_db[k] = np.nan  # a simple cone knows no level
         state.source[k] = _NO_SOURCE if silent else k
         state.fired_s[k] = body.steps * PHYSICS_DT_S
@@ -131,9 +137,22 @@ def _fire(table, state, body, surfaces, ring, noise):
             state.fired_true_pose[k, axis] = state.true_pose[axis]
             state.fired_pose[k, axis] = state.believed_pose[axis]
         state.fresh[k] = 1
-    cause = cause_of(echo_m, bounces, state.axis_range_m, state.cone_range_m)
-    for k in range(sonars):
-        state.cause[k] = cause[k]
+
+
+@njit()
+def _fans(table, room, near, places, axes, ring, limits, surfaces):
+    """Return the first returns of fans of rays."""
+    echoes, memory = exact_echoes(axes.size), cone_memory(ring.cos_bearing.size)
+    for k in range(axes.size):
+        (
+            echoes.echo_m[k], echoes.surface[k], echoes.bounces[k], incidence_cos,
+            echoes.axis_range_m[k], echoes.cone_range_m[k],
+        ) = cone_echo(
+            table, room, near, (places[k, 0], places[k, 1], axes[k]), ring, limits, surfaces, memory
+        )  # fmt: skip
+        if echoes.surface[k] >= 0:
+            echoes.incidence_rad[k] = math.acos(min(incidence_cos, 1.0))
+    return echoes
 
 
 @njit()

@@ -1,0 +1,1 @@
+"""Many whole drives with simple cones, compiled, on all cores."""

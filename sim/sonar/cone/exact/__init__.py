@@ -1,0 +1,1 @@
+"""The exact cone: visible intervals of bearing instead of a fan of rays."""
