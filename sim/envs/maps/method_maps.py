@@ -16,7 +16,7 @@ from sonarmap import GridSpec, InputError, OccupancyMap, SonarLog, SonarRing, me
 from sonarmap.methods.bayes.updating import Bayes
 from sonarmap.methods.choosing import as_method
 from sonarmap.methods.protocol import IncrementalMap
-from sonarmap.scores.maps import CLAMP
+from sonarmap.scores.probabilities import CLAMP
 
 __all__ = ["MAP_METHOD", "MapMethod", "MethodMaps", "map_method", "maps_by"]
 
