@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import queue
 import threading
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import islice
+from time import perf_counter
 from typing import Any
 from uuid import uuid4
 
@@ -16,11 +19,13 @@ from sonarmap.errors import InputError
 
 __all__ = ["DaskCluster"]
 
-# Jobs that wait at the scheduler for each thread that works: enough that none is without.
+# Tasks that wait at the scheduler for each thread that works: enough that none is without.
 _AHEAD = 3
+# A task is as many jobs as take so long, seconds, but no more than so many.
+_BUNDLE_S, _MOST_JOBS = 4.0, 64
 # When nothing has ended for so long the cluster is asked whether it is still there, seconds.
 _PATIENCE_S = 20.0
-# After so many jobs the workers are counted again: they may come and go.
+# After so many tasks the workers are counted again: they may come and go.
 _RECOUNT = 200
 
 
@@ -46,23 +51,35 @@ class DaskCluster:
         """Yield each job with what became of it, see `sim.runs.jobs.Workers`."""
         client = self._connected()
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        under_way: dict[Any, tuple[Any, Job]] = {}
-        run_id = uuid4().hex[:8]
+        under_way: dict[Any, tuple[Any, list[Job]]] = {}
+        again: deque[Job] = deque()
+        run_id, submitted, done, size = uuid4().hex[:8], 0, 0, 1
         try:
             room = self._room(client)
-            submitted = done = 0
             while True:
-                while len(under_way) < room and (job := next(jobs, None)) is not None:
+                while len(under_way) < room:
+                    bundle = [again.popleft()] if again else list(islice(jobs, size))
+                    if not bundle:
+                        break
                     key = f"sonarbed-{run_id}-{submitted}"
-                    future = client.submit(attempt_alone, job, store, key=key, pure=False)
-                    under_way[key] = future, job
+                    future = client.submit(attempt_all, bundle, store, key=key, pure=False)
+                    under_way[key] = future, bundle
                     future.add_done_callback(ended.put)
                     submitted += 1
                 if not under_way:
                     return
                 finished = self._next(client, ended)
-                _, job = under_way.pop(finished.key)
-                yield job, self._outcome(finished)
+                _, bundle = under_way.pop(finished.key)
+                results = self._results(finished, bundle)
+                if results is None:
+                    # One of them kills its worker: each by itself, so that it is known which.
+                    again.extend(bundle)
+                    continue
+                for job, (outcome, _) in zip(bundle, results, strict=True):
+                    yield job, outcome
+                # A scheduler takes milliseconds for a task, however little there is to do.
+                mean_s = sum(seconds for _, seconds in results) / len(results)
+                size = min(max(int(_BUNDLE_S / max(mean_s, 1e-6)), 1), 2 * size, _MOST_JOBS)
                 done += 1
                 if done % _RECOUNT == 0:
                     room = self._room(client)
@@ -102,7 +119,7 @@ class DaskCluster:
         return client
 
     def _room(self, client: Any) -> int:
-        """Return how many jobs may be at the cluster at once."""
+        """Return how many tasks may be at the cluster at once."""
         try:
             threads: int = sum(client.nthreads().values())
         except Exception as error:  # the scheduler has gone away, by any of many errors
@@ -118,24 +135,35 @@ class DaskCluster:
             except queue.Empty:
                 self._room(client)
 
-    def _outcome(self, future: Any) -> Outcome:
+    def _results(self, future: Any, bundle: list[Job]) -> list[tuple[Outcome, float]] | None:
+        """Return what became of the jobs of a task; None if it is not known of which of them."""
         if future.status in ("cancelled", "lost"):
             raise InputError(f"dask {self.address!r}: lost the scheduler; what was made is kept")
-        if future.status == "error":
-            error = future.exception()
-            return Outcome(error=f"{type(error).__name__}: {' '.join(str(error).split())}")
-        outcome: Outcome = future.result()
-        return outcome
+        if future.status != "error":
+            results: list[tuple[Outcome, float]] = future.result()
+            return results
+        if len(bundle) > 1:
+            return None
+        error = future.exception()
+        line = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return [(Outcome(error=line), 1.0)]
 
 
 # The threads of a worker share engines and compilers, which are not made for that.
 _ONE_AT_A_TIME = threading.Lock()
 
 
-def attempt_alone(job: Job, store: Store) -> Outcome:
-    """Run a job on a worker, one at a time there."""
-    with _ONE_AT_A_TIME:
-        return attempt(job, store)
+def attempt_all(jobs: list[Job], store: Store) -> list[tuple[Outcome, float]]:
+    """Run jobs on a worker, one at a time there; return what became of each, and its seconds."""
+    results = []
+    for job in jobs:
+        with _ONE_AT_A_TIME:
+            begin = perf_counter()
+            # There already, if a worker before this one died in the midst of them.
+            is_there = len(jobs) > 1 and all(store.has(name) for name in job.outputs)
+            outcome = Outcome() if is_there else attempt(job, store)
+            results.append((outcome, perf_counter() - begin))
+    return results
 
 
 def _version() -> str:
