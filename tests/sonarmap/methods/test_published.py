@@ -140,6 +140,13 @@ def test_nav2_believes_less_the_farther(z, peak):
     assert p == pytest.approx(hit / (hit + miss), abs=1 / 254)
 
 
+def test_one_half_leaves_every_cost_of_nav2_as_it_is():
+    # The compiled loop passes over cells that the model says 1/2 of.
+    for cost in range(255):
+        p = cost / 254
+        assert int(254 * (0.5 * p / (0.5 * p + 0.5 * (1 - p)))) == cost
+
+
 def test_nav2_gets_stuck_at_zero():
     # cost = floor(254 p): a few free readings, and no number of hits brings the cell back.
     free = on_row([1.5] * 4, name="nav2-range", phi_m=5.0)
@@ -182,6 +189,28 @@ def test_the_loudest_reading_of_a_cell_decides():
     assert p[6] == 1
     assert (p[:6] == 0).all()
     assert (p[7:] == 0.5).all()
+
+
+def test_short_readings_are_louder_on_their_arcs_in_conflict_evaluation():
+    # At cell 3 the first reading has -log10(0.75) and log10(2), the second, free there, -log10(0.5).
+    log = make_log([0.75, 2.0], ring=NARROW, y_m=0.125, x_m=[0.125, 0.375])
+    for short_m, p in ((0.8, 1), (0.7, 0)):
+        m = sm.method("conflict-evaluation-style", path_cells=0, short_m=short_m).map(log, ROW)
+        assert m.probability[0, 3] == p
+
+
+def test_an_arc_that_nothing_explains_is_wrong_in_conflict_evaluation():
+    # From cell 1 one reads 3 m and one, 0.25 m, the wall in cell 2 that makes the first wrong; from
+    # cell 6 one looks back at cell 3, where the first was louder. Nobody is left to tell of cell 3.
+    log = make_log(
+        [3.0, 0.25, 0.75],
+        ring=NARROW,
+        y_m=0.125,
+        x_m=[0.375, 0.375, 1.625],
+        heading_rad=[0, 0, math.pi],
+    )
+    m = sm.method("conflict-evaluation-style", path_cells=0).map(log, ROW)
+    assert draw(m.probability) == "?.#?...?????????\n"
 
 
 def test_a_ghost_close_by_wins_its_cells():
@@ -380,8 +409,7 @@ def test_observed_are_the_cells_that_a_reading_speaks_of(name, rng):
     m = sm.method(name).map(log, grid)
     assert m.observed is not None
     assert 0.01 < m.observed.mean() < 0.9
-    if name != "nav2-range":  # its box changes cells beside the cone by rounding
-        assert (m.probability[~m.observed] == 0.5).all()
+    assert (m.probability[~m.observed] == 0.5).all()
 
 
 # --- bad parameters ------------------------------------------------------------------------------
