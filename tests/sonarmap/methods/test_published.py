@@ -192,11 +192,17 @@ def test_the_loudest_reading_of_a_cell_decides():
 
 
 def test_short_readings_are_louder_on_their_arcs_in_conflict_evaluation():
-    # At cell 3 the first reading has -log10(0.75) and log10(2), the second, free there, -log10(0.5).
+    # At cell 3 the first has -log10(0.75) and log10(2), the second, free there, -log10(0.5).
     log = make_log([0.75, 2.0], ring=NARROW, y_m=0.125, x_m=[0.125, 0.375])
     for short_m, p in ((0.8, 1), (0.7, 0)):
         m = sm.method("conflict-evaluation-style", path_cells=0, short_m=short_m).map(log, ROW)
         assert m.probability[0, 3] == p
+
+
+@pytest.mark.parametrize("readings", [[1.0, 3.0], [3.0, 1.0]])
+def test_of_equally_loud_readings_the_wall_wins_in_conflict_evaluation(readings):
+    p = on_row(readings, name="conflict-evaluation-style", path_cells=0)
+    assert (p[4:6] == [1, 0.5]).all()
 
 
 def test_an_arc_that_nothing_explains_is_wrong_in_conflict_evaluation():
