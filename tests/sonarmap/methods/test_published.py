@@ -273,6 +273,17 @@ def test_the_median_is_not_moved_by_one_stray_arc():
     assert np.abs(bearing[:4]).max() < 1e-9
 
 
+def test_the_median_of_two_crossings_is_their_mean():
+    # One looks up; two look right, at its arc 0.1 to the left and 0.05 to the right of its axis.
+    bearing = np.array([0.1, -0.05])
+    ends = np.column_stack([-np.sin(bearing), np.cos(bearing)])
+    xy = np.vstack([[0.0, 0.0], ends - [1.0, 0.0]])
+    along = np.array([[0.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
+    found = median_crossings(xy, along, np.ones(3), math.cos(0.2), math.cos(0.5))
+    assert found[0] == pytest.approx(0.025)
+    assert found[1:] == pytest.approx([0, 0])
+
+
 def test_a_triangulation_point_needs_its_votes():
     angles = np.radians([-90, -60, -30, 0])
     along = np.column_stack([np.cos(angles), np.sin(angles)])
