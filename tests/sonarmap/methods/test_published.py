@@ -298,6 +298,13 @@ def test_a_triangulation_point_needs_its_votes():
     assert np.isfinite(clustered_crossings(*options, 2, 0.05, 3)).sum() == 0  # a short memory
 
 
+@pytest.mark.parametrize("name", ["atm", "tbf"])
+def test_no_echo_ends_nowhere_not_even_in_a_cell_at_the_limit(name):
+    p = on_row(np.inf, name=name, no_echo="clear", max_range_m=2.0)
+    assert (p[:9] < 0.5).all()
+    assert (p[9:] == 0.5).all()
+
+
 # --- drawings ------------------------------------------------------------------------------------
 
 CONE = (
