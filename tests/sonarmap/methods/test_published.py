@@ -157,6 +157,13 @@ def test_nav2_gets_stuck_at_zero():
     assert again[0] == 0
 
 
+def test_nav2_marks_above_and_clears_below_its_thresholds():
+    # In costs: 0.8 is 203 and 0.2 is 50, and neither counts.
+    m = sm.method("nav2-range").map(make_log(1.0), ROW)
+    assert 203 < 254 * m.occupied_from < 204
+    assert 49 < 254 * m.free_up_to < 50
+
+
 def test_nav2_drops_no_echo_and_what_is_out_of_range():
     assert (on_row([np.inf, 0.05, 9.0], name="nav2-range") == 0.5).all()
     assert (on_row([np.inf], name="nav2-range", no_echo="clear")[:8] == 0).all()
