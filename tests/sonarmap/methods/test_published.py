@@ -140,6 +140,13 @@ def test_nav2_believes_less_the_farther(z, peak):
     assert p == pytest.approx(hit / (hit + miss), abs=1 / 254)
 
 
+def test_one_half_leaves_every_cost_of_nav2_as_it_is():
+    # The compiled loop passes over cells that the model says 1/2 of.
+    for cost in range(255):
+        p = cost / 254
+        assert int(254 * (0.5 * p / (0.5 * p + 0.5 * (1 - p)))) == cost
+
+
 def test_nav2_gets_stuck_at_zero():
     # cost = floor(254 p): a few free readings, and no number of hits brings the cell back.
     free = on_row([1.5] * 4, name="nav2-range", phi_m=5.0)
@@ -148,6 +155,13 @@ def test_nav2_gets_stuck_at_zero():
     # But for the cell of the reading on the axis, which is set and not updated.
     assert again[1] > 0.9
     assert again[0] == 0
+
+
+def test_nav2_marks_above_and_clears_below_its_thresholds():
+    # In costs: 0.8 is 203 and 0.2 is 50, and neither counts.
+    m = sm.method("nav2-range").map(make_log(1.0), ROW)
+    assert 203 < 254 * m.occupied_from < 204
+    assert 49 < 254 * m.free_up_to < 50
 
 
 def test_nav2_drops_no_echo_and_what_is_out_of_range():
@@ -182,6 +196,34 @@ def test_the_loudest_reading_of_a_cell_decides():
     assert p[6] == 1
     assert (p[:6] == 0).all()
     assert (p[7:] == 0.5).all()
+
+
+def test_short_readings_are_louder_on_their_arcs_in_conflict_evaluation():
+    # At cell 3 the first has -log10(0.75) and log10(2), the second, free there, -log10(0.5).
+    log = make_log([0.75, 2.0], ring=NARROW, y_m=0.125, x_m=[0.125, 0.375])
+    for short_m, p in ((0.8, 1), (0.7, 0)):
+        m = sm.method("conflict-evaluation-style", path_cells=0, short_m=short_m).map(log, ROW)
+        assert m.probability[0, 3] == p
+
+
+@pytest.mark.parametrize("readings", [[1.0, 3.0], [3.0, 1.0]])
+def test_of_equally_loud_readings_the_wall_wins_in_conflict_evaluation(readings):
+    p = on_row(readings, name="conflict-evaluation-style", path_cells=0)
+    assert (p[4:6] == [1, 0.5]).all()
+
+
+def test_an_arc_that_nothing_explains_is_wrong_in_conflict_evaluation():
+    # From cell 1 one reads 3 m and one, 0.25 m, the wall in cell 2 that makes the first wrong; from
+    # cell 6 one looks back at cell 3, where the first was louder. Nobody is left to tell of cell 3.
+    log = make_log(
+        [3.0, 0.25, 0.75],
+        ring=NARROW,
+        y_m=0.125,
+        x_m=[0.375, 0.375, 1.625],
+        heading_rad=[0, 0, math.pi],
+    )
+    m = sm.method("conflict-evaluation-style", path_cells=0).map(log, ROW)
+    assert draw(m.probability) == "?.#?...?????????\n"
 
 
 def test_a_ghost_close_by_wins_its_cells():
@@ -238,6 +280,17 @@ def test_the_median_is_not_moved_by_one_stray_arc():
     assert np.abs(bearing[:4]).max() < 1e-9
 
 
+def test_the_median_of_two_crossings_is_their_mean():
+    # One looks up; two look right, at its arc 0.1 to the left and 0.05 to the right of its axis.
+    bearing = np.array([0.1, -0.05])
+    ends = np.column_stack([-np.sin(bearing), np.cos(bearing)])
+    xy = np.vstack([[0.0, 0.0], ends - [1.0, 0.0]])
+    along = np.array([[0.0, 1.0], [1.0, 0.0], [1.0, 0.0]])
+    found = median_crossings(xy, along, np.ones(3), math.cos(0.2), math.cos(0.5))
+    assert found[0] == pytest.approx(0.025)
+    assert found[1:] == pytest.approx([0, 0])
+
+
 def test_a_triangulation_point_needs_its_votes():
     angles = np.radians([-90, -60, -30, 0])
     along = np.column_stack([np.cos(angles), np.sin(angles)])
@@ -250,6 +303,13 @@ def test_a_triangulation_point_needs_its_votes():
         assert np.isfinite(bearing).tolist() == [i >= 4 - found for i in range(4)]
         np.testing.assert_allclose(bearing[np.isfinite(bearing)], 0, atol=1e-9)
     assert np.isfinite(clustered_crossings(*options, 2, 0.05, 3)).sum() == 0  # a short memory
+
+
+@pytest.mark.parametrize("name", ["atm", "tbf"])
+def test_no_echo_ends_nowhere_not_even_in_a_cell_at_the_limit(name):
+    p = on_row(np.inf, name=name, no_echo="clear", max_range_m=2.0)
+    assert (p[:9] < 0.5).all()
+    assert (p[9:] == 0.5).all()
 
 
 # --- drawings ------------------------------------------------------------------------------------
@@ -380,8 +440,7 @@ def test_observed_are_the_cells_that_a_reading_speaks_of(name, rng):
     m = sm.method(name).map(log, grid)
     assert m.observed is not None
     assert 0.01 < m.observed.mean() < 0.9
-    if name != "nav2-range":  # its box changes cells beside the cone by rounding
-        assert (m.probability[~m.observed] == 0.5).all()
+    assert (m.probability[~m.observed] == 0.5).all()
 
 
 # --- bad parameters ------------------------------------------------------------------------------
