@@ -125,6 +125,13 @@ def test_an_arc_that_nearer_sonars_saw_through_is_rejected():
     assert not made.changed.any()
 
 
+@pytest.mark.parametrize("order", [[0, 1], [1, 0]])
+def test_a_tie_goes_to_occupied(order):
+    # Two readings from one place are equally loud everywhere: the nearer arc stands.
+    made = sm.filter(NAME).apply(make_log(np.array([1.0, 1.5])[order], ring=WIDE))
+    assert made.changed.tolist() == np.array([False, True])[order].tolist()
+
+
 def test_a_loud_ghost_keeps_its_cells_the_weak_spot():
     ghost = make_log([0.5, *[1.5] * 20], ring=WIDE, x_m=[0, *[-0.4] * 20])
     made = sm.filter(NAME).apply(ghost)

@@ -85,6 +85,19 @@ def test_what_is_shorter_gets_no_opinion():
     assert not made.rejected[11]
 
 
+def test_what_made_a_feature_is_not_rejected_for_a_nearer_one():
+    twins = sm.SonarRing("twins", [0, 0], [0, 0], [math.pi / 2] * 2, 0.1, 0.1, 5.0)
+    x_m = np.repeat(np.arange(0, 2, 0.05), 2)
+    log = make_log(np.tile([0.9, 1.4], 40), ring=twins, sonar=np.tile([0, 1], 40), x_m=x_m)
+    made = sm.filter(NAME).apply(log)
+    assert len(made.report) == 2
+    np.testing.assert_allclose(made.predicted_range_m, 0.9, atol=0.01)
+    assert not made.rejected.any()
+    # One that made none, being too long for that, is.
+    far = sm.filter(NAME, short_m=1.0).apply(log)
+    np.testing.assert_array_equal(far.rejected, log.sonar == 1)
+
+
 @pytest.mark.parametrize(
     "parameters",
     [{"short_m": 0.9}, {"least_length_m": 3.0}, {"least_points": 41}, {"gap_m": 0.04}],
