@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import faulthandler
 import os
 import signal
 import sys
@@ -9,7 +11,6 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from pathlib import Path
 
 import typer
 from typer.exceptions import TyperException
@@ -37,6 +38,8 @@ __all__ = ["app", "main"]
 # Exit codes as shells know them: 2 for bad input, 128 + 2 for an interrupt.
 BAD_INPUT, INTERRUPTED = 2, 130
 _STOPPED = "interrupted; what was finished is kept"
+# What takes longer to clear up after Ctrl-C is left, seconds.
+_PATIENCE_S = 2.3
 
 app = typer.Typer(
     name="sonarbed",
@@ -69,21 +72,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     open_streams()
     plain_where_needed(sys.stdout, sys.stderr)
-    interruption = _Interruption()
+    # A notebook that calls this lives on, whatever becomes of the command.
+    interruption = _Interruption(ends_process=argv is None)
     try:
         with _interruptible(interruption), _modules_of_this_folder(), quiet_matplotlib():
-            code = app(arguments, prog_name="sonarbed", standalone_mode=False)
+            code = _run(arguments, interruption)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
         # Now, not when Python ends: a full disk or a closed pipe is found out here.
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):
-        return INTERRUPTED if interruption.is_said else _fail(_STOPPED, INTERRUPTED)
-    except SystemError:
-        # C code that is interrupted may leave it to others to say so.
-        if not interruption.is_said:
-            raise
-        return INTERRUPTED
+        code = INTERRUPTED if interruption.is_said else _fail(_STOPPED, INTERRUPTED)
+        if interruption.ends_process:
+            # At once: to clear up after compilers and pools may take Python longer than a person
+            # waits. It would also end by the signal, not with our code, if that met an `exec`.
+            atexit._run_exitfuncs()  # semaphores and folders of the moment
+            os._exit(code)
+        return code
     except TyperException as error:
         message = error.format_message()
         # With no arguments the help was asked for, and has been printed.
@@ -95,7 +100,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         _drop_output()
-        if not Path("..").exists():
+        if _own_folder() is None:
             return _fail("the folder that this is run in does not exist any more")
         return _fail(f"{error.filename or 'output'}: {error.strerror or error}")
     except InputError as error:
@@ -105,9 +110,20 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 @dataclass
 class _Interruption:
-    """Whether a person has been told that the command stops."""
+    """Whether a person has been told that the command stops, and whether the process ends, too."""
 
+    ends_process: bool
     is_said: bool = False
+
+
+def _run(arguments: Sequence[str], interruption: _Interruption) -> object:
+    try:
+        return app(arguments, prog_name="sonarbed", standalone_mode=False)
+    except Exception:
+        # What is interrupted in C code, as a compiler, may end in any error.
+        if interruption.is_said:
+            raise KeyboardInterrupt from None
+        raise
 
 
 @contextmanager
@@ -125,6 +141,8 @@ def _interruptible(interruption: _Interruption) -> Iterator[None]:
         with suppress(OSError):
             os.write(2, f"sonarbed: {_STOPPED}\n".encode())
         interruption.is_said = True
+        if interruption.ends_process:
+            _end_soon()
         raise KeyboardInterrupt
 
     # Where Ctrl-C is ignored, as in a job of the background, it stays so.
@@ -142,9 +160,8 @@ def _interruptible(interruption: _Interruption) -> Iterator[None]:
 @contextmanager
 def _modules_of_this_folder() -> Iterator[None]:
     """Let ``package.module:Name`` find modules of the folder that the command is run in."""
-    try:
-        folder = os.getcwd()  # noqa: PTH109 - an entry of sys.path is a string
-    except FileNotFoundError:  # somebody has removed it
+    folder = _own_folder()
+    if folder is None:
         yield
         return
     sys.path.append(folder)
@@ -152,6 +169,24 @@ def _modules_of_this_folder() -> Iterator[None]:
         yield
     finally:
         sys.path.remove(folder)
+
+
+def _end_soon() -> None:
+    """End this process in less time than a person waits, whatever it is at."""
+    thread = threading.Timer(_PATIENCE_S, os._exit, (INTERRUPTED,))
+    thread.daemon = True
+    thread.start()
+    # Compiled code may keep Python's threads from running; this one is C's. It ends with 1.
+    nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123 - as long as we live
+    faulthandler.dump_traceback_later(_PATIENCE_S + 0.5, exit=True, file=nowhere)
+
+
+def _own_folder() -> str | None:
+    """Return the folder that the command is run in; None if somebody has removed it."""
+    try:
+        return os.getcwd()  # noqa: PTH109 - an entry of sys.path is a string
+    except FileNotFoundError:
+        return None
 
 
 def _fail(message: str, code: int = BAD_INPUT) -> int:

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -32,6 +33,9 @@ _MOST_JOBS = 256
 _UNGUARDED = 97
 # A pool that is broken ends its processes; this is how long it may take, seconds.
 _ENDING_S = 2.0
+# Of those that are not wanted any more each may finish what it does for so long, and then has so
+# long to leave nothing half-written: together less than a person waits after Ctrl-C.
+_FINISHING_S, _UNWINDING_S = 1.5, 0.5
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -93,23 +97,24 @@ def run_all(
                 on_done(index)
         return
     futures: dict[Future[Result], int] = {}
-    begun: set[BaseProcess] = set()
+    others, begun = {*multiprocessing.active_children()}, set[BaseProcess]()
     try:
         with ProcessPoolExecutor(min(jobs, len(tasks)), context, _begin, (stop,)) as pool:
             try:
                 with interrupts_held_back(), _readable_main():
                     for index, task in enumerate(tasks):
                         futures[pool.submit(function, task)] = index
-                begun = {*multiprocessing.active_children()}
+                begun = {*multiprocessing.active_children()} - others
                 for future in as_completed(futures):
                     results[futures[future]] = future.result()
                     if on_done is not None:
                         on_done(futures[future])
             except BaseException:
-                # What has begun is asked to stop, and the rest never begins. It waits, for leaving
-                # the block would call what is cancelled back to work.
+                # What has begun is asked to stop, then made to, and the rest never begins. It
+                # waits, for leaving the block would call what is cancelled back to work.
                 stop.set()
-                pool.shutdown(cancel_futures=True)
+                pool.shutdown(wait=False, cancel_futures=True)
+                _end({*multiprocessing.active_children()} - others)
                 raise
     except BrokenProcessPool:
         raise InputError(_why_broken(begun)) from None
@@ -160,10 +165,38 @@ _stop: Event | None = None
 def _begin(stop: Event) -> None:
     global _stop
     _stop = stop
+    signal.signal(signal.SIGTERM, _stopped)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-class _Stopped(Exception):  # noqa: N818 - nobody sees it: its future is dropped
+def _stopped(number: int, frame: object) -> None:
+    raise _Stopped
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+class _Stopped(BaseException):
     """The parent does not want this task any more."""
+
+
+def _end(processes: Iterable[BaseProcess]) -> None:
+    """End processes: wait for them a moment, let them unwind, then kill them."""
+    for seconds, make_them in (
+        (_FINISHING_S, BaseProcess.terminate),
+        (_UNWINDING_S, BaseProcess.kill),
+    ):
+        until_s = time.monotonic() + seconds
+        for process in processes:
+            process.join(max(until_s - time.monotonic(), 0))
+            if process.is_alive():
+                make_them(process)
+    for process in processes:
+        process.join()
 
 
 @contextmanager

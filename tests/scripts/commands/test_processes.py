@@ -8,7 +8,9 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+from support import make_log
 
 import sonarmap as sm
 from sim.runs.parallel import deaf_children
@@ -131,6 +133,61 @@ def test_ctrl_c_while_processes_begin_leaves_no_traceback(tmp_path):
     )
     assert (code, out, err) == (130, "", INTERRUPTED)
     assert list(folder.iterdir()) == []
+
+
+# Long commands, each interrupted where it is at work or still compiles.
+LONG = {
+    "one drive": "simulate office --engine segments --scans 1000000 --out a",
+    "many drives": "simulate office --scans 1000000 --seed 0:4 --jobs 2 --out many",
+    "demo": "demo --scans 1000000 --out demo",
+    "tune": "tune --seeds 2 --scans 500 --jobs 2 --out tune",
+    "thesis": "thesis --out thesis",
+    "acoustics": "acoustics --out acoustics",
+    "map": "map log.parquet --resolution 0.002 --out map",
+    "hsr": "hsr log.parquet --cell 0.001 --out hsr",
+}
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("line", LONG.values(), ids=LONG)
+def test_every_long_command_ends_soon_after_ctrl_c(tmp_path, line, rng):
+    n = 200_000
+    make_log(
+        rng.uniform(0.2, 2.9, n),
+        ring=sm.AMIGOBOT,
+        scan=np.arange(n) // 8,
+        sonar=np.arange(n) % 8,
+        x_m=rng.uniform(0, 9, n),
+        y_m=rng.uniform(0, 9, n),
+    ).write("log.parquet")
+    before, interrupted_s = {*tmp_path.iterdir()}, []
+    started = time.monotonic()
+
+    def how(command):
+        interrupted_s.append(time.monotonic())
+        ctrl_c(command)
+
+    code, out, err = interrupt(line, when=lambda: time.monotonic() > started + 5, how=how)
+    assert (code, out, err) == (130, "", INTERRUPTED)
+    # Three seconds, and what a busy machine needs to begin and to look.
+    assert time.monotonic() - interrupted_s[0] < 4
+    new = {*tmp_path.rglob("*")} - before
+    assert not [path for path in new if path.is_file() and path.name.startswith(".")]
+
+
+def test_ctrl_c_in_an_exec_ends_with_our_code(tmp_path):
+    # CPython ends by the signal when it met the making of a dataclass, say, however it is caught.
+    make_log([1.0, 2.0], ring=sm.AMIGOBOT).write("log.parquet")
+    (tmp_path / "mine.py").write_text(
+        'exec("import signal; signal.raise_signal(signal.SIGINT)\\nfor i in range(9): pass")\n'
+    )
+    done = subprocess.run(
+        [*SONARBED, *["map", "log.parquet", "--method", "mine:Map", "--out", "map"]],
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    assert (done.returncode, done.stderr) == (130, INTERRUPTED)
 
 
 def test_ctrl_c_while_processes_begin_waits_and_is_not_lost():
