@@ -79,7 +79,7 @@ def _unfilled(task: type[Task], kind: str) -> Any:
 def task_env(task: str | type[Task], **arguments: Any) -> gymnasium.Env[Observation, Any]:
     """Return the environment of a task, with the task's time limit.
 
-    ``gymnasium.make("sim:sonarbed/Task-v0", task=..., ...)`` calls it.
+    ``gymnasium.make("sim:sonarbed/Task-v1", task=..., ...)`` calls it.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def task_env(task: str | type[Task], **arguments: Any) -> gymnasium.Env[Observat
 def task_vector_env(task: str | type[Task], num_envs: int = 1, **arguments: Any) -> SonarVectorEnv:
     """Return the vector environment of a task, with the task's time limit.
 
-    ``gymnasium.make_vec("sim:sonarbed/Task-v0", task=..., ...)`` calls it.
+    ``gymnasium.make_vec("sim:sonarbed/Task-v1", task=..., ...)`` calls it.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ the tests (`tests/sonarmap/test_mapping.py`).
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,11 @@ from numpy.typing import NDArray
 from sonarmap.kernels.jit import njit
 
 __all__ = [
+    "Cone",
+    "ConeLists",
+    "GridCells",
+    "RegionArrays",
+    "Sensors",
     "add_listed",
     "add_readings",
     "bearing_polynomial",
@@ -37,6 +43,73 @@ _TINY = 1e-300
 _SLACK = 1e-6
 # NaN and infinity never enter the loop, and the order of sums within one cell is kept outside.
 _FAST = {"contract", "nsz", "nnan", "ninf", "arcp", "reassoc"}
+
+
+class GridCells(NamedTuple):
+    """Where the cells of a grid are: how many, the lower-left corner and the side in metres."""
+
+    rows: int
+    cols: int
+    origin_x: float
+    origin_y: float
+    resolution: float
+
+
+class Sensors(NamedTuple):
+    """Where sonars were fired.
+
+    Parameters
+    ----------
+    xy : ndarray, shape (n, 2)
+        Places, metres.
+    axis_rad : ndarray, shape (n,)
+        Acoustic axes, radians.
+    """
+
+    xy: NDArray[np.float64]
+    axis_rad: NDArray[np.float64]
+
+
+class Cone(NamedTuple):
+    """The cone of a sonar: its half-angle in radians and the `bearing_polynomial` of that."""
+
+    half_angle: float
+    bearing: NDArray[np.float64]
+
+
+class RegionArrays(NamedTuple):
+    """The `Regions` of n readings; of one of them, without the first axis.
+
+    Parameters
+    ----------
+    border, axis, edge : ndarray, shapes (n, 3), (n, 3, 2), (n, 3, 2)
+        Their fields.
+    """
+
+    border: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    edge: NDArray[np.float64]
+
+
+class ConeLists(NamedTuple):
+    """The cells of n cones.
+
+    Parameters
+    ----------
+    first_run, first_cell : ndarray, shape (n + 1,)
+        Where the runs and the cells of each cone begin. A run is a row of the cone.
+    run_cell, run_length : ndarray, shape (runs,)
+        Flat index of the first cell in the grid, and number of cells.
+    ranges, shares : ndarray, shape (cells,)
+        Range in metres and bearing / half-angle of each cell.
+    """
+
+    first_run: NDArray[np.int64]
+    first_cell: NDArray[np.int64]
+    run_cell: NDArray[np.int64]
+    run_length: NDArray[np.int64]
+    ranges: NDArray[np.float64]
+    shares: NDArray[np.float64]
 
 
 def bearing_polynomial(half_angle_rad: float) -> NDArray[np.float64]:
@@ -113,9 +186,10 @@ def _geometry(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 @njit(fastmath=_FAST, error_model="numpy")
 def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    ranges, shares, p_out, log_odds_out, border, axis, edge
+    ranges, shares, p_out, log_odds_out, regions
 ):
     """Write P(occupied) of cells, -1 where silent, and its log-odds, 0 where silent."""
+    border, axis, edge = regions
     near, middle, reach = border[0], border[1], border[2]
     axis0, axis0_slope, edge0, edge0_slope = axis[0, 0], axis[0, 1], edge[0, 0], edge[0, 1]
     axis1, axis1_slope, edge1, edge1_slope = axis[1, 0], axis[1, 1], edge[1, 0], edge[1, 1]
@@ -144,26 +218,20 @@ def _evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 @njit(error_model="numpy")
 def _list_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    rows,
-    cols,
-    start_x,
-    start_y,
-    resolution,
-    axis_x,
-    axis_y,
-    half_angle,
-    reach,
-    first,
-    count,
-    dx,
-    dy,
+    grid, place, direction, half_angle, reach, runs, dx, dy
 ):
     """List the cells of a cone row by row: in each those between its edges and within reach.
 
     Writes the first column and the number of cells of each row, and the cells' places relative
-    to the sonar; returns (first row, row after the last, cells). `start_x` and `start_y` are the
-    sonar's place relative to the centre of cell (0, 0).
+    to the sonar; returns (first row, row after the last, cells). `place` is the sonar's (x, y),
+    `direction` the unit vector of its axis.
     """
+    rows, cols, origin_x, origin_y, resolution = grid
+    axis_x, axis_y = direction
+    first, count = runs[0], runs[1]
+    # The sonar's place relative to the centre of cell (0, 0).
+    start_x = place[0] - origin_x - 0.5 * resolution
+    start_y = place[1] - origin_y - 0.5 * resolution
     cos_half, sin_half = math.cos(half_angle), math.sin(half_angle)
     # Directions of the cone's left and right edge.
     left_x = axis_x * cos_half - axis_y * sin_half
@@ -237,78 +305,45 @@ def cone_memory(room):  # type: ignore[no-untyped-def]  # pragma: no cover - com
 
 @njit(error_model="numpy")
 def cone_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    rows,
-    cols,
-    origin_x,
-    origin_y,
-    resolution,
-    x,
-    y,
-    axis_rad,
-    half_angle,
-    border,
-    axis,
-    edge,
-    bearing,
-    runs,
-    cells,
+    grid, sensor, cone, regions, runs, cells
 ):
     """Write what one reading says of the cells in its cone; return (first row, row after the last).
 
     Parameters
     ----------
-    rows, cols, origin_x, origin_y, resolution
-        The grid, metres.
-    x, y, axis_rad : float
-        Place and axis of the sonar.
-    half_angle : float
-        Half-angle of the cone, radians.
-    border, axis, edge : ndarray, shapes (3,), (3, 2), (3, 2)
-        The reading's `Regions`.
-    bearing : ndarray
-        `bearing_polynomial` of the half-angle.
+    grid : GridCells
+        The grid.
+    sensor : tuple of float
+        Place (x, y) of the sonar, metres, and its axis, radians.
+    cone : Cone
+    regions : RegionArrays
+        Those of the reading.
     runs : ndarray of int, shape (2, rows)
         Written for these rows: first column and number of cells.
     cells : tuple of six ndarray, shape (room,)
         Working memory for `cone_room` cells; the last gets the log-odds, row by row. (Six arrays,
         since the compiler does not vectorise over rows of one.)
     """
+    x, y, axis_rad = sensor
     axis_x, axis_y = math.cos(axis_rad), math.sin(axis_rad)
     dx, dy, ranges, shares, p, evidence = cells
     row_begin, row_end, n = _list_cells(
-        rows,
-        cols,
-        x - origin_x - 0.5 * resolution,
-        y - origin_y - 0.5 * resolution,
-        resolution,
-        axis_x,
-        axis_y,
-        half_angle,
-        border[2],
-        runs[0],
-        runs[1],
-        dx,
-        dy,
+        grid, (x, y), (axis_x, axis_y), cone.half_angle, regions.border[2], runs, dx, dy
     )
-    _geometry(dx[:n], dy[:n], ranges[:n], shares[:n], axis_x, axis_y, bearing)
-    _evidence(ranges[:n], shares[:n], p[:n], evidence[:n], border, axis, edge)
+    _geometry(dx[:n], dy[:n], ranges[:n], shares[:n], axis_x, axis_y, cone.bearing)
+    _evidence(ranges[:n], shares[:n], p[:n], evidence[:n], regions)
     return row_begin, row_end
+
+
+@njit()
+def _regions_of(regions, i):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    """Return the regions of reading `i`."""
+    return RegionArrays(regions.border[i], regions.axis[i], regions.edge[i])
 
 
 @njit(error_model="numpy")
 def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    log_odds,
-    origin_x,
-    origin_y,
-    resolution,
-    sensor_xy,
-    axis_rad,
-    half_angle,
-    border,
-    axis,
-    edge,
-    bearing,
-    limit,
+    log_odds, grid, sensors, cone, regions, limit
 ):
     """Add the evidence of n readings to `log_odds` (rows, cols) in place.
 
@@ -316,42 +351,21 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     ----------
     log_odds : ndarray, shape (rows, cols)
         The map, changed in place.
-    origin_x, origin_y, resolution : float
-        The grid, metres.
-    sensor_xy : ndarray, shape (n, 2)
-        Sonar positions, metres.
-    axis_rad : ndarray, shape (n,)
-        Acoustic axes, radians.
-    half_angle : float
-        Half-angle of the cone, radians.
-    border, axis, edge : ndarray, shapes (n, 3), (n, 3, 2), (n, 3, 2)
-        The readings' `Regions`.
-    bearing : ndarray
-        `bearing_polynomial` of the half-angle.
+    grid : GridCells
+        Where its cells are.
+    sensors : Sensors
+        Where the readings were taken.
+    cone : Cone
+    regions : RegionArrays
+        Those of the readings.
     limit : float
         Bound on the sum in each cell, inf for none.
     """
-    rows, cols = log_odds.shape
-    cells = cone_memory(cone_room(rows, cols, resolution, border[:, 2]))
-    runs = np.empty((2, rows), np.int64)
-    for i in range(axis_rad.size):
-        row_begin, row_end = cone_evidence(
-            rows,
-            cols,
-            origin_x,
-            origin_y,
-            resolution,
-            sensor_xy[i, 0],
-            sensor_xy[i, 1],
-            axis_rad[i],
-            half_angle,
-            border[i],
-            axis[i],
-            edge[i],
-            bearing,
-            runs,
-            cells,
-        )
+    cells = cone_memory(cone_room(grid.rows, grid.cols, grid.resolution, regions.border[:, 2]))
+    runs = np.empty((2, grid.rows), np.int64)
+    for i in range(sensors.axis_rad.size):
+        sensor = sensors.xy[i, 0], sensors.xy[i, 1], sensors.axis_rad[i]
+        row_begin, row_end = cone_evidence(grid, sensor, cone, _regions_of(regions, i), runs, cells)
         n = 0
         for row in range(row_begin, row_end):
             first, count = runs[0, row], runs[1, row]
@@ -366,30 +380,18 @@ def add_readings(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 @njit(error_model="numpy")
 def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, reach
+    grid, sensors, half_angle, reach
 ):
     """Return a bound on the cells of each cone and on its rows, int64 (n, 2)."""
-    room = cone_room(rows, cols, resolution, reach)
+    room = cone_room(grid.rows, grid.cols, grid.resolution, reach)
     dx, dy = np.empty(room), np.empty(room)
-    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
+    runs = np.empty((2, grid.rows), np.int64)
     bounds = np.empty((reach.size, 2), np.int64)
     for i in range(reach.size):
-        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
-        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
+        place = sensors.xy[i, 0], sensors.xy[i, 1]
+        direction = math.cos(sensors.axis_rad[i]), math.sin(sensors.axis_rad[i])
         row_begin, row_end, n = _list_cells(
-            rows,
-            cols,
-            start_x,
-            start_y,
-            resolution,
-            math.cos(axis_rad[i]),
-            math.sin(axis_rad[i]),
-            half_angle,
-            reach[i],
-            first,
-            count,
-            dx,
-            dy,
+            grid, place, direction, half_angle, reach[i], runs, dx, dy
         )
         bounds[i, 0], bounds[i, 1] = n, max(row_end - row_begin, 0)
     return bounds
@@ -397,24 +399,15 @@ def count_cells(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
 @njit(error_model="numpy")
 def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    rows,
-    cols,
-    origin_x,
-    origin_y,
-    resolution,
-    sensor_xy,
-    axis_rad,
-    half_angle,
-    reach,
-    bearing,
-    bounds,
+    grid, sensors, cone, reach, bounds
 ):
     """List the cells of n cones with what no model changes: their ranges and bearings.
 
     Parameters
     ----------
-    rows, cols, origin_x, origin_y, resolution, sensor_xy, axis_rad, half_angle, bearing
-        As in `add_readings`.
+    grid : GridCells
+    sensors : Sensors
+    cone : Cone
     reach : ndarray, shape (n,)
         How far each cone is listed, metres.
     bounds : ndarray, shape (n, 2)
@@ -422,16 +415,12 @@ def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 
     Returns
     -------
-    first_run, first_cell : ndarray, shape (n + 1,)
-        Where the runs and the cells of each cone begin. A run is a row of the cone.
-    run_cell, run_length : ndarray, shape (runs,)
-        Flat index of the first cell in the grid, and number of cells.
-    ranges, shares : ndarray, shape (cells,)
-        Range in metres and bearing / half-angle of each cell.
+    ConeLists
     """
-    room = cone_room(rows, cols, resolution, reach)
+    room = cone_room(grid.rows, grid.cols, grid.resolution, reach)
     dx, dy, r, share = np.empty(room), np.empty(room), np.empty(room), np.empty(room)
-    first, count = np.empty(rows, np.int64), np.empty(rows, np.int64)
+    row_runs = np.empty((2, grid.rows), np.int64)
+    first, count = row_runs[0], row_runs[1]
     cell_bound, run_bound = bounds[:, 0].sum(), bounds[:, 1].sum()
     ranges, shares = np.empty(cell_bound), np.empty(cell_bound)
     run_cell, run_length = np.empty(run_bound, np.int64), np.empty(run_bound, np.int64)
@@ -440,25 +429,12 @@ def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     runs, cells = 0, 0
 
     for i in range(reach.size):
-        axis_x, axis_y = math.cos(axis_rad[i]), math.sin(axis_rad[i])
-        start_x = sensor_xy[i, 0] - origin_x - 0.5 * resolution
-        start_y = sensor_xy[i, 1] - origin_y - 0.5 * resolution
+        axis_x, axis_y = math.cos(sensors.axis_rad[i]), math.sin(sensors.axis_rad[i])
+        place = sensors.xy[i, 0], sensors.xy[i, 1]
         row_begin, row_end, n = _list_cells(
-            rows,
-            cols,
-            start_x,
-            start_y,
-            resolution,
-            axis_x,
-            axis_y,
-            half_angle,
-            reach[i],
-            first,
-            count,
-            dx,
-            dy,
+            grid, place, (axis_x, axis_y), cone.half_angle, reach[i], row_runs, dx, dy
         )
-        _geometry(dx[:n], dy[:n], r[:n], share[:n], axis_x, axis_y, bearing)
+        _geometry(dx[:n], dy[:n], r[:n], share[:n], axis_x, axis_y, cone.bearing)
         n = 0
         for row in range(row_begin, row_end):
             begin, end = n, n + count[row]
@@ -470,14 +446,14 @@ def list_cones(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 end -= 1
             if begin == end:
                 continue
-            run_cell[runs] = row * cols + first[row] + begin - (n - count[row])
+            run_cell[runs] = row * grid.cols + first[row] + begin - (n - count[row])
             run_length[runs] = end - begin
             runs += 1
             ranges[cells : cells + end - begin] = r[begin:end]
             shares[cells : cells + end - begin] = share[begin:end]
             cells += end - begin
         first_run[i + 1], first_cell[i + 1] = runs, cells
-    return (
+    return ConeLists(
         first_run,
         first_cell,
         run_cell[:runs].copy(),
@@ -505,15 +481,17 @@ def add_listed(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
 ):
     """Add the evidence of n listed readings to a map and to the running moments of P(occupied).
 
+    Flat, unlike the others: with named groups this loop takes 4 % longer.
+
     Parameters
     ----------
     log_odds, seen, mean, deviation : ndarray, shape (rows * cols,)
         Changed in place: the map; the number of readings that spoke of each cell, the mean of
         what they said and the sum of its squared deviations (Welford's recurrence).
     first_run, first_cell, run_cell, run_length, ranges, shares
-        From `list_cones`.
-    border, axis, edge : ndarray, shapes (n, 3), (n, 3, 2), (n, 3, 2)
-        The readings' `Regions`.
+        Fields of `ConeLists`.
+    border, axis, edge
+        Fields of `RegionArrays`, those of the readings.
     """
     room = 0
     for i in range(first_cell.size - 1):
@@ -522,9 +500,8 @@ def add_listed(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     for i in range(first_cell.size - 1):
         begin, end = first_cell[i], first_cell[i + 1]
         n = end - begin
-        _evidence(
-            ranges[begin:end], shares[begin:end], p[:n], evidence[:n], border[i], axis[i], edge[i]
-        )
+        own = RegionArrays(border[i], axis[i], edge[i])
+        _evidence(ranges[begin:end], shares[begin:end], p[:n], evidence[:n], own)
         n = 0
         for run in range(first_run[i], first_run[i + 1]):
             for cell in range(run_cell[run], run_cell[run] + run_length[run]):

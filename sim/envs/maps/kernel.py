@@ -10,7 +10,7 @@ from numba import prange
 from numpy.typing import NDArray
 
 from sonarmap.kernels.cells import cell_index
-from sonarmap.kernels.fusion import cone_evidence
+from sonarmap.kernels.fusion import Cone, GridCells, RegionArrays, cone_evidence
 from sonarmap.kernels.jit import njit
 from sonarmap.occupancy import FREE_UP_TO
 from sonarmap.scores.probabilities import CLAMP
@@ -118,10 +118,13 @@ def _add_reading(own, sensor, cones, readings, i, cells, runs):
     """Add reading `i`, taken at a sensor (x, y, axis), to one robot's map; see `add_fresh`."""
     log_odds, kind, gains, shape, grid = own
     row_begin, row_end = cone_evidence(
-        shape[0], shape[1], grid[0], grid[1], grid[2], sensor[0], sensor[1], sensor[2],
-        cones.half_angle, readings.border[i], readings.axis[i], readings.edge[i], cones.bearing,
-        runs, cells,
-    )  # fmt: skip
+        GridCells(shape[0], shape[1], grid[0], grid[1], grid[2]),
+        sensor,
+        Cone(cones.half_angle, cones.bearing),
+        RegionArrays(readings.border[i], readings.axis[i], readings.edge[i]),
+        runs,
+        cells,
+    )
     evidence = cells[5]
     n, gained, new_cells, freed = 0, 0.0, 0, 0
     for row in range(row_begin, row_end):

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from sonarmap.methods.bayes.models import (
 )
 from sonarmap.methods.bayes.updating import NoEcho, evidence_of, reading_limit_m
 from sonarmap.occupancy import OccupancyMap
+
+if TYPE_CHECKING:  # numba is heavy: loaded when mapping
+    from sonarmap.kernels.fusion import ConeLists
 
 __all__ = ["Spread", "map_and_spread", "thesis_parameter_sets"]
 
@@ -152,12 +155,12 @@ def _map_and_spread(
         reach_m = np.zeros(int(used.sum()))
         for model in alike:
             np.maximum(reach_m, evidence_of(log, model, limit_m, no_echo)[1].reach_m, out=reach_m)
-        cones = _ConeLists(grid, sensor_xy_m[used], axis_rad[used], half_angle_rad, reach_m)
+        cones = _Cones(grid, sensor_xy_m[used], axis_rad[used], half_angle_rad, reach_m)
         for model in alike:
             yield _fuse(grid, cones, evidence_of(log, model, limit_m, no_echo)[1])
 
 
-def _fuse(grid: GridSpec, cones: _ConeLists, regions: Regions) -> tuple[OccupancyMap, Spread]:
+def _fuse(grid: GridSpec, cones: _Cones, regions: Regions) -> tuple[OccupancyMap, Spread]:
     from sonarmap.kernels.fusion import add_listed
 
     cells = grid.rows * grid.cols
@@ -181,17 +184,7 @@ def _fuse(grid: GridSpec, cones: _ConeLists, regions: Regions) -> tuple[Occupanc
     )
 
 
-_Lists = tuple[
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.int64],
-    NDArray[np.float64],
-    NDArray[np.float64],
-]
-
-
-class _ConeLists:
+class _Cones:
     """The cells of readings' cones, as (slice of readings, lists of `list_cones`).
 
     All are kept when they fit in `_MOST_CELLS`. Otherwise they are listed part by part, each time
@@ -206,36 +199,30 @@ class _ConeLists:
         half_angle_rad: float,
         reach_m: NDArray[np.float64],
     ) -> None:
-        from sonarmap.kernels.fusion import (  # numba: loaded when mapping
-            bearing_polynomial,
-            count_cells,
-        )
+        from sonarmap.kernels import fusion  # numba: loaded when mapping
 
-        self._where = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
-        self._cones = (sensor_xy_m, axis_rad, reach_m)
-        self._half_angle_rad = half_angle_rad
-        self._bearing = bearing_polynomial(half_angle_rad)
-        self._bounds = count_cells(*self._where, sensor_xy_m, axis_rad, half_angle_rad, reach_m)
+        self._cells = fusion.GridCells(*grid.shape, *grid.origin_xy_m, grid.resolution_m)
+        self._sensors = fusion.Sensors(sensor_xy_m, axis_rad)
+        self._cone = fusion.Cone(half_angle_rad, fusion.bearing_polynomial(half_angle_rad))
+        self._reach_m = reach_m
+        self._bounds = fusion.count_cells(self._cells, self._sensors, half_angle_rad, reach_m)
         parts = self._bounds[:, 0].cumsum() // _MOST_CELLS
         begins = [0, *(np.flatnonzero(np.diff(parts)) + 1).tolist(), reach_m.size]
         self._slices = [slice(a, b) for a, b in itertools.pairwise(begins)]
         self._kept = self._list(self._slices[0]) if len(self._slices) == 1 else None
 
-    def __iter__(self) -> Iterator[tuple[slice, _Lists]]:
+    def __iter__(self) -> Iterator[tuple[slice, ConeLists]]:
         for rows in self._slices:
             yield rows, self._list(rows) if self._kept is None else self._kept
 
-    def _list(self, rows: slice) -> _Lists:
-        from sonarmap.kernels.fusion import list_cones
+    def _list(self, rows: slice) -> ConeLists:
+        from sonarmap.kernels.fusion import Sensors, list_cones
 
-        sensor_xy_m, axis_rad, reach_m = (values[rows] for values in self._cones)
-        lists: _Lists = list_cones(
-            *self._where,
-            sensor_xy_m,
-            axis_rad,
-            self._half_angle_rad,
-            reach_m,
-            self._bearing,
+        lists: ConeLists = list_cones(
+            self._cells,
+            Sensors(self._sensors.xy[rows], self._sensors.axis_rad[rows]),
+            self._cone,
+            self._reach_m[rows],
             self._bounds[rows],
         )
         return lists

@@ -166,19 +166,15 @@ class BayesMap:
                 f"readings must be of the ring {self._ring.name!r}, got {readings.ring.name!r}"
             )
         used, regions = evidence_of(readings, self._model, self._limit_m, self._method.no_echo)
-        from sonarmap.kernels.fusion import add_readings, bearing_polynomial  # numba
+        from sonarmap.kernels import fusion  # numba: loaded when mapping
 
-        add_readings(
+        half_angle_rad = self._model.half_angle_rad
+        fusion.add_readings(
             self._log_odds,
-            *self._grid.origin_xy_m,
-            self._grid.resolution_m,
-            readings.sensor_xy_m[used],
-            readings.axis_rad[used],
-            self._model.half_angle_rad,
-            regions.border_m,
-            regions.axis,
-            regions.edge,
-            bearing_polynomial(self._model.half_angle_rad),
+            fusion.GridCells(*self._grid.shape, *self._grid.origin_xy_m, self._grid.resolution_m),
+            fusion.Sensors(readings.sensor_xy_m[used], readings.axis_rad[used]),
+            fusion.Cone(half_angle_rad, fusion.bearing_polynomial(half_angle_rad)),
+            fusion.RegionArrays(regions.border_m, regions.axis, regions.edge),
             self._method.log_odds_limit,
         )
 

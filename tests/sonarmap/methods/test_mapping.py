@@ -5,7 +5,15 @@ import pytest
 from support import ONE, THREE, draw, equations, make_log, random_log
 
 import sonarmap as sm
-from sonarmap.kernels.fusion import _log, add_readings, bearing_polynomial
+from sonarmap.kernels.fusion import (
+    Cone,
+    GridCells,
+    RegionArrays,
+    Sensors,
+    _log,
+    add_readings,
+    bearing_polynomial,
+)
 from sonarmap.mapping import grid_over
 
 STANDARD = sm.StandardModel(
@@ -167,16 +175,10 @@ def test_the_loop_stays_within_its_arrays(rng):
         border = regions.border_m * reach
         add_readings.py_func(
             log_odds,
-            0.0,
-            0.0,
-            0.1,
-            rng.integers(-2, 14, (n, 2)) * 0.05,
-            rng.integers(-8, 9, n) * math.pi / 4,
-            model.half_angle_rad,
-            border,
-            regions.axis,
-            regions.edge,
-            bearing_polynomial(model.half_angle_rad),
+            GridCells(*log_odds.shape, 0.0, 0.0, 0.1),
+            Sensors(rng.integers(-2, 14, (n, 2)) * 0.05, rng.integers(-8, 9, n) * math.pi / 4),
+            Cone(model.half_angle_rad, bearing_polynomial(model.half_angle_rad)),
+            RegionArrays(border, regions.axis, regions.edge),
             math.inf,
         )
         assert np.isfinite(log_odds).all()
