@@ -245,6 +245,10 @@ def test_a_slot_narrower_than_the_robot_lets_it_in_nowhere():
     assert x_m < 1
 
 
+# The same rays on both engines: where faces are known a simple cone needs none.
+FAN = sonars.preset("aria").replace(rays=31)
+
+
 def score(log, world):
     grid = sm.GridSpec.covering(*world.bounds_m, 0.05)
     map_ = sm.build_map(log, sm.ParameterizedModel.thesis(), grid)
@@ -252,16 +256,17 @@ def score(log, world):
 
 
 @pytest.mark.parametrize("room", ["thesis-exp1", "clutter", "office"])
-@pytest.mark.parametrize("sonar", ["aria", "physical"])
-def test_the_same_drive_sounds_the_same_on_both_engines(room, sonar):
-    known, preset = worlds.load(room), sonars.preset(sonar)
+@pytest.mark.parametrize("name", ["aria", "physical"])
+def test_the_same_drive_sounds_the_same_on_both_engines(room, name):
+    sonar = FAN if name == "aria" else sonars.preset(name)
+    known = worlds.load(room)
     log = sim.simulate(known, scans=100, seed=5, sonar=sonar, driver="follow-left")
     poses = log.at_true_poses()
     readings = {}
     for engine in ENGINES:
         with open_engine(engine, known) as rays:
             rng = np.random.default_rng(1)
-            heard = preset.listen(rays, known, poses.sensor_xy_m, poses.axis_rad, rng)
+            heard = sonar.listen(rays, known, poses.sensor_xy_m, poses.axis_rad, rng)
             readings[engine] = heard.range_m
     same = np.isclose(readings["bullet"], readings["segments"], atol=2e-3)
     assert same.mean() >= 0.995
@@ -274,7 +279,7 @@ def test_a_drive_on_either_engine_scores_alike(room):
     # Without collisions, in which PyBullet's friction turns the robot.
     known = worlds.load(room)
     logs = [
-        sim.simulate(known, scans=250, seed=5, sonar="aria", driver="thesis", engine=engine)
+        sim.simulate(known, scans=250, seed=5, sonar=FAN, driver="thesis", engine=engine)
         for engine in ENGINES
     ]
     assert not any(log.truth.collision.any() for log in logs)

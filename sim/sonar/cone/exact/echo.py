@@ -288,13 +288,17 @@ def _echo(
                 stack[waiting, STRENGTH] *= reflectivity[surface]
                 stack[waiting, NEAREST] = nearest_m
                 waiting += 1
-        while waiting > 0 and stack[waiting - 1, NEAREST] >= best_m:
-            waiting -= 1
-        if waiting == 0:
+        # The beam that may return first is next: what it finds may spare the others.
+        following = 0
+        for k in range(1, waiting):
+            if stack[k, NEAREST] < stack[following, NEAREST]:
+                following = k
+        if waiting == 0 or stack[following, NEAREST] >= best_m:
             break
         waiting -= 1
         for column in range(beam.size):
-            beam[column] = stack[waiting, column]
+            beam[column] = stack[following, column]
+            stack[following, column] = stack[waiting, column]
 
     echo_m = best_m if best_surface >= 0 else math.inf
     return echo_m, best_surface, best_bounces, best_sine, axis_m, cone_m
@@ -338,20 +342,26 @@ def _put_segments(segments, beam, is_near, best_m, faces):
                     whole_ax, whole_ay, whole_bx, whole_by,
                     beam[at], beam[at + 1], beam[at + 2], part,
                 )  # fmt: skip
-            else:
+            elif mirror >= 0.0:
                 ax, ay, bx, by = beyond_mirror(whole_ax, whole_ay, whole_bx, whole_by, nx, ny, off)
+            else:
+                ax, ay, bx, by = whole_ax, whole_ay, whole_bx, whole_by
             if math.isnan(ax):
                 continue
             if pillars == 0:
                 start, end, x, y, ex, ey, length, height = lie_straight(ax, ay, bx, by, low, high)
                 if not end - start > NARROWEST:
                     continue
+                near_0, near_1 = ey / height, -ex / height
+                # The way along the axis is shorter than the way: most of what is too far ends here.
+                if max(near_0 + start * near_1, near_0 + end * near_1) * best_m < 1.0 - 1e-9:
+                    continue
                 nearest_m, _ = nearest_straight(x, y, ex, ey, length, height, start, end)
                 faces[count, KIND], faces[count, FROM], faces[count, TO] = SEGMENT, start, end
                 faces[count, X], faces[count, Y] = x, y
                 faces[count, E_X], faces[count, E_Y] = ex, ey
                 faces[count, LENGTH], faces[count, HEIGHT] = length, height
-                faces[count, NEAR_0], faces[count, NEAR_1] = ey / height, -ex / height
+                faces[count, NEAR_0], faces[count, NEAR_1] = near_0, near_1
             else:
                 if not segment_behind_pillar(ax, ay, bx, by, beam, faces, count):
                     continue
