@@ -33,6 +33,10 @@ from worlds import Pose, World
 __all__ = ["BatchDrive", "is_compiled", "simulate_batch"]
 
 
+EXACT_THESIS = sonars.THESIS.replace(rays=None)
+"""The simple cone of the thesis without rays."""
+
+
 @dataclass(frozen=True, eq=False)
 class BatchDrive:
     """One drive of a batch: the arguments of `sim.simulate` on the engine `segments`.
@@ -55,7 +59,7 @@ class BatchDrive:
     scans: int
     seed: int
     driver: str | Driver = "thesis"
-    sonar: str | Sonar = "thesis"
+    sonar: str | Sonar = EXACT_THESIS
     odometry: OdometryModel | None = None
     start: Pose | None = None
 

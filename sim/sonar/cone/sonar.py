@@ -3,8 +3,8 @@
 A sonar after Wilkes, Dudek, Jenkin and Milios (SPIE 1388, 1990), cut down to what
 the thesis describes: a surface met beyond its material's critical incidence angle mirrors the
 sound away; the ray is traced on, and comes back along its path once it meets a surface within
-its critical angle. Where the faces of the room are known, the first return is exact; where rays
-can only be cast, as in PyBullet, or on request, a fan of rays stands for the cone.
+its critical angle. A fan of rays stands for the cone; where the faces of the room are known, the
+first return can be had exactly instead (``rays=None``).
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ class ConeSonar(SimultaneousSonar):
     ----------
     name, ring, scan_period_s
         See `sim.sonar.simultaneous.SimultaneousSonar`.
-    rays : int, optional
-        By default the whole cone counts, exactly, on an engine that knows the faces of the room
-        (`sim.engines.protocol.table_of`); others cast a fan of `FAN_RAYS` rays. A number, odd (one
-        ray lies on the axis) and >= 3, is that of the rays on any engine, to compare with.
+    rays : int or None
+        Rays of a fan, odd (one lies on the axis) and >= 3, on any engine. None: the whole cone
+        counts, exactly, on an engine that knows the faces of the room
+        (`sim.engines.protocol.table_of`); others cast a fan of `FAN_RAYS` rays.
     max_bounces : int
         How many mirroring surfaces a sound is traced over, >= 0; then it is lost.
     noise_std_m : float
@@ -63,7 +63,7 @@ class ConeSonar(SimultaneousSonar):
         over that in the air (`sim.Air`).
     """
 
-    rays: int | None = None
+    rays: int | None = FAN_RAYS
     max_bounces: int = 2
     # A real AmigoBot that stood still 2 m from a target: 1000 readings, 1.0 mm.
     noise_std_m: float = 0.001

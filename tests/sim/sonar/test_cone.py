@@ -14,7 +14,7 @@ from sonarmap import Cause, InputError, SonarRing
 from worlds import Material, Solid
 
 AHEAD = SonarRing("ahead", [0], [0], [0], math.radians(15), 0.165, 3.0)
-SHARP = ConeSonar("sharp", AHEAD, scan_period_s=0.1, noise_std_m=0, quantum_m=0)
+SHARP = ConeSonar("sharp", AHEAD, scan_period_s=0.1, rays=None, noise_std_m=0, quantum_m=0)
 
 
 def listen(room, *, sonar=SHARP, at=(0.0, 0.0), axis_rad=0.0, rng=None):

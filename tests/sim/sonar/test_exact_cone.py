@@ -17,7 +17,7 @@ from sonarmap import Cause, SonarRing
 from worlds import Faces, Material
 
 AHEAD = SonarRing("ahead", [0], [0], [0], math.radians(15), 0.165, 3.0)
-EXACT = ConeSonar("exact", AHEAD, scan_period_s=0.1, noise_std_m=0, quantum_m=0)
+EXACT = ConeSonar("exact", AHEAD, scan_period_s=0.1, rays=None, noise_std_m=0, quantum_m=0)
 FAR = EXACT.replace(ring=replace(AHEAD, range_max_m=8.0), max_bounces=3)
 HALF = Material("half", math.radians(30), 0.6, 0.0)
 
@@ -170,7 +170,7 @@ def spots(room, n, seed=0):
 def test_fans_of_more_and_more_rays_come_close(name):
     room = worlds.load(name)
     places, axes = spots(room, 1000)
-    aria = presets.preset("aria").replace(noise_std_m=0, quantum_m=0, ring=EXACT.ring)
+    aria = presets.preset("aria").replace(rays=None, noise_std_m=0, quantum_m=0, ring=EXACT.ring)
     exact = listen(room, places, axes, sonar=aria)
     close, same_cause = [], []
     for rays in (31, 101, 1001):
