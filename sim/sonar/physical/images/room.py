@@ -181,7 +181,8 @@ def _outward(faces: Faces) -> NDArray[np.int8]:
 def _distinct(places: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return places without those that are the same as an earlier one, in their order."""
     order = np.argsort(places[:, 0], kind="stable")
-    return places[_first_of_each(places, order)]
+    distinct: NDArray[np.float64] = places[_first_of_each(places, order)]
+    return distinct
 
 
 def _grid(table: FaceTable) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64],
