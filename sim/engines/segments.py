@@ -9,7 +9,7 @@ from sim.engines.protocol import ClosedByWith
 from sim.robot.amigobot import PHYSICS_DT_S
 from sim.robot.kinematics import drive
 from sonarmap.errors import InputError
-from worlds import Pose, RayHits, World
+from worlds import Faces, Pose, RayHits, World
 from worlds.raycast import cast_rays
 
 __all__ = ["Segments"]
@@ -39,12 +39,17 @@ class Segments(ClosedByWith):
     def __init__(self, world: World, start: Pose, *, gui: bool = False) -> None:
         if gui:
             raise InputError("engine 'segments' has no window: gui needs engine 'bullet'")
-        self.table = world.faces.table
+        self.table, self._faces = world.faces.table, world.faces
         self._pose = np.array([start.x_m, start.y_m, start.heading_rad], float)
         self._speeds_mps, self._turns_rad = np.zeros((2, 2))
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""
+
+    @property
+    def faces(self) -> Faces:
+        """The faces that rays meet: a sonar may use them instead of rays."""
+        return self._faces
 
     @property
     def pose(self) -> Pose:

@@ -11,6 +11,9 @@ from sim.engines.protocol import RayCaster
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.detection import detect, readings
 from sim.sonar.physical.echoes import confirmed, find_sounds
+from sim.sonar.physical.images.limits import ImageLimits
+from sim.sonar.physical.images.room import scene_of
+from sim.sonar.physical.images.scan import listen_images
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, mirror_echo_db
 from sim.sonar.physical.piston import Piston
@@ -18,9 +21,9 @@ from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.tracing import Tracing, TracingLimits, advance_tracing, begin_tracing
 from sim.sonar.protocol import Echoes
 from sonarmap import LogTruth, SonarRing
-from worlds import World
+from worlds import Faces, World
 
-__all__ = ["ArrayModel", "PhysicalArray"]
+__all__ = ["ArrayModel", "ImageArray", "PhysicalArray", "known_faces"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,6 +36,8 @@ class ArrayModel:
         Of the sonar.
     acoustics, limits
         What the compiled steps know of levels and of tracing.
+    image_limits : ImageLimits
+        What image sources are looked for.
     bearing_rad, ray_reach_m : ndarray, shape (rays,)
         The rays of a fan, and how far each is traced.
     """
@@ -43,6 +48,7 @@ class ArrayModel:
     interferers: tuple[Interferer, ...]
     acoustics: Acoustics
     limits: TracingLimits
+    image_limits: ImageLimits
     bearing_rad: NDArray[np.float64]
     ray_reach_m: NDArray[np.float64]
 
@@ -88,7 +94,7 @@ class PhysicalArray:
     ) -> None:
         """Let some sonars fire at once, see `sim.sonar.protocol.SonarArray`."""
         tracing = self._trace(np.array(sonars, np.int64), sensor_xy_m, axis_rad)
-        outside = self._from_interferers(time_s, sonars, sensor_xy_m, axis_rad)
+        outside = _from_interferers(self._model, self._rays, time_s, sonars, sensor_xy_m, axis_rad)
         self._sounds = np.concatenate([self._sounds, self._echoes(tracing, time_s), *outside])
         self._fired += [
             (time_s, sonar, tracing.axis_range_m[sonar], tracing.cone_range_m[sonar])
@@ -167,38 +173,138 @@ class PhysicalArray:
         )
         return hits.distance_m, np.ascontiguousarray(hits.normal_xy), hits.surface
 
-    def _from_interferers(
+
+class ImageArray:
+    """The sonars of one drive in a room whose faces are known, by image sources.
+
+    Firings wait until `detect`, which computes all of them in one compiled call.
+
+    Parameters
+    ----------
+    model, rays, world, rng, monostatic
+        As of `PhysicalArray`.
+    faces : Faces
+        The surfaces that `rays` would meet.
+    """
+
+    def __init__(
+        self,
+        model: ArrayModel,
+        rays: RayCaster,
+        faces: Faces,
+        world: World,
+        rng: np.random.Generator,
+        *,
+        monostatic: bool = False,
+    ) -> None:
+        self._model, self._rays, self._rng = model, rays, rng
+        self._monostatic = monostatic
+        self._scene, self._surfaces = scene_of(faces, world), _surface_table(world)
+        self._sounds = np.empty((0, t.SOUND_COLUMNS))
+        self._outside: list[NDArray[np.float64]] = []
+        self._forget()
+
+    def _forget(self) -> None:
+        self._times_s: list[float] = []
+        self._sonars: list[int] = []
+        self._start = [0]
+        self._xy_m: list[NDArray[np.float64]] = []
+        self._axis_rad: list[NDArray[np.float64]] = []
+
+    def fire(
         self,
         time_s: float,
         sonars: tuple[int, ...],
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
-    ) -> list[NDArray[np.float64]]:
-        """Return the interferers' pulses that may reach, straight, the sonars that listen now."""
-        model, found = self._model, []
-        acoustics = model.acoustics
-        listeners = np.array(sonars)
-        for interferer in model.interferers:
-            offset = np.array([interferer.x_m, interferer.y_m]) - sensor_xy_m[listeners]
-            path_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
-            hits = self._rays.cast(sensor_xy_m[listeners], offset / path_m[:, None], path_m)
-            bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[listeners]
-            received_db = model.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
-            for k in np.flatnonzero(hits.surface < 0):
-                travel_s = path_m[k] / acoustics.speed_mps
-                pulses_s = interferer.pulses_s(
-                    time_s - travel_s, time_s - travel_s + acoustics.window_s
-                )
-                sounds = np.zeros((pulses_s.size, t.SOUND_COLUMNS))
-                sounds[:, t.SOUND_SENT] = pulses_s
-                sounds[:, t.SOUND_SOURCE] = LogTruth.OUTSIDE_SOURCE
-                sounds[:, t.SOUND_LISTENER], sounds[:, t.SOUND_PATH] = listeners[k], path_m[k]
-                sounds[:, t.SOUND_LEVEL] = (
-                    mirror_echo_db(acoustics, path_m[k]) + received_db[k] + interferer.level_db
-                )
-                sounds[:, t.SOUND_SURFACE], sounds[:, t.SOUND_INCIDENCE] = -1, np.nan
-                found.append(sounds)
-        return found
+    ) -> None:
+        """Let some sonars fire at once, see `sim.sonar.protocol.SonarArray`."""
+        self._times_s.append(time_s)
+        self._sonars += sonars
+        self._start.append(len(self._sonars))
+        self._xy_m.append(sensor_xy_m.copy())
+        self._axis_rad.append(axis_rad.copy())
+        if self._model.interferers:
+            self._outside += _from_interferers(
+                self._model, self._rays, time_s, sonars, sensor_xy_m, axis_rad
+            )
+
+    def detect(self) -> Echoes:
+        """Return what the sonars detected that fired since the last call, in their order."""
+        model, receiver, ring = self._model, self._model.receiver, self._model.ring
+        reading_m, fired, detections, self._sounds = listen_images(
+            self._scene,
+            self._surfaces,
+            model.acoustics,
+            model.image_limits,
+            self._monostatic,
+            np.array(self._times_s, float),
+            np.array(self._sonars),
+            np.array(self._start),
+            np.array(self._xy_m, float),
+            np.array(self._axis_rad, float),
+            np.concatenate([self._sounds, *self._outside]) if self._outside else self._sounds,
+            self._rng.normal(0.0, 1.0, len(self._sonars)),
+            float(receiver.noise_std_m),
+            float(receiver.weak_noise_std_m),
+            float(receiver.quantum_m),
+            float(ring.range_min_m),
+            float(ring.range_max_m),
+        )
+        self._outside = []
+        self._forget()
+        return Echoes(
+            range_m=reading_m,
+            axis_range_m=fired[:, t.FIRED_AXIS],
+            cone_range_m=fired[:, t.FIRED_CONE],
+            cause=detections.cause,
+            surface=detections.surface,
+            incidence_rad=detections.incidence_rad,
+            bounces=detections.bounces,
+            source=detections.source,
+            level_db=detections.level_db,
+        )
+
+
+def known_faces(rays: RayCaster) -> Faces | None:
+    """Return the faces that a ray caster's rays would meet; None if it does not know them."""
+    faces = rays if isinstance(rays, Faces) else getattr(rays, "faces", None)
+    return faces if isinstance(faces, Faces) else None
+
+
+def _from_interferers(
+    model: ArrayModel,
+    rays: RayCaster,
+    time_s: float,
+    sonars: tuple[int, ...],
+    sensor_xy_m: NDArray[np.float64],
+    axis_rad: NDArray[np.float64],
+) -> list[NDArray[np.float64]]:
+    """Return the interferers' pulses that may reach, straight, the sonars that listen now."""
+    found = []
+    acoustics = model.acoustics
+    listeners = np.array(sonars)
+    for interferer in model.interferers:
+        offset = np.array([interferer.x_m, interferer.y_m]) - sensor_xy_m[listeners]
+        path_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
+        hits = rays.cast(sensor_xy_m[listeners], offset / path_m[:, None], path_m)
+        bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[listeners]
+        received_db = model.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
+        for k in np.flatnonzero(hits.surface < 0):
+            travel_s = path_m[k] / acoustics.speed_mps
+            pulses_s = interferer.pulses_s(
+                time_s - travel_s, time_s - travel_s + acoustics.window_s
+            )
+            sounds = np.zeros((pulses_s.size, t.SOUND_COLUMNS))
+            sounds[:, t.SOUND_SENT] = pulses_s
+            sounds[:, t.SOUND_SOURCE] = LogTruth.OUTSIDE_SOURCE
+            sounds[:, t.SOUND_LISTENER], sounds[:, t.SOUND_PATH] = listeners[k], path_m[k]
+            sounds[:, t.SOUND_LEVEL] = (
+                mirror_echo_db(acoustics, path_m[k]) + received_db[k] + interferer.level_db
+            )
+            sounds[:, t.SOUND_SURFACE], sounds[:, t.SOUND_INCIDENCE] = -1, np.nan
+            found.append(sounds)
+    return found
 
 
 def _surface_table(world: World) -> NDArray[np.float64]:

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.firing import Firing, InTurn, Ping, fitted, pings
-from sim.sonar.physical.array import ArrayModel, PhysicalArray
+from sim.sonar.physical.array import ArrayModel, ImageArray, PhysicalArray, known_faces
+from sim.sonar.physical.images.limits import ImageLimits
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, loudest_echo_db
 from sim.sonar.physical.piston import Piston
@@ -31,13 +32,15 @@ from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.tracing import TracingLimits
 from sim.sonar.protocol import Echoes, SonarArray
 from sonarmap import InputError, SonarRing
-from sonarmap.errors import finite, positive
+from sonarmap.errors import finite, one_of, positive
 from worlds import World
 
 __all__ = ["PhysicalSonar"]
 
 # So far off the axis faces are looked for that the sound of another sonar may come by. Assumed.
 _WIDE_RAD = math.radians(45)
+# Nothing leaves a transducer backwards.
+_WIDEST_RAD = math.radians(89.9)
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,10 @@ class PhysicalSonar:
         between two rays may be missed; ranges do not depend on it.
     interferers : tuple of Interferer
         Sources of sound besides the robot's own.
+    search : {"auto", "images", "rays"}
+        How the sounds that come back are found. "images": they are counted from the room's faces,
+        exactly; needs an engine that knows them, as `segments` does. "rays": fans of rays find the
+        faces that they meet; any engine casts rays. "auto": images where the faces are known.
     sound_life_s : float
         A sound is forgotten this long after it was sent, seconds, > 0. Default: two slots of
         40 ms, so that a sonar detects what the one before it sent.
@@ -90,6 +97,7 @@ class PhysicalSonar:
     ray_step_rad: float = math.radians(1.0)
     sound_life_s: float = 0.080
     interferers: tuple[Interferer, ...] = ()
+    search: str = "rays"
     beacons: InitVar[tuple[Interferer, ...] | None] = None
 
     def __post_init__(self, beacons: tuple[Interferer, ...] | None) -> None:
@@ -101,6 +109,7 @@ class PhysicalSonar:
         if finite("edge_db", self.edge_db) > 0:
             raise InputError(f"edge_db must be <= 0, got {self.edge_db!r}")
         positive("ray_step_rad", self.ray_step_rad)
+        one_of("search", self.search, ("auto", "images", "rays"))
         positive("sound_life_s", self.sound_life_s)
 
     def replace(self, **changes: object) -> PhysicalSonar:
@@ -109,7 +118,17 @@ class PhysicalSonar:
 
     def array(self, rays: RayCaster, world: World, rng: np.random.Generator) -> SonarArray:
         """Return the sonars of one drive, see `sim.sonar.protocol.Sonar`."""
-        return PhysicalArray(self._model, rays, world, rng)
+        return self._array(rays, world, rng, monostatic=False)
+
+    def _array(
+        self, rays: RayCaster, world: World, rng: np.random.Generator, *, monostatic: bool
+    ) -> SonarArray:
+        faces = None if self.search == "rays" else known_faces(rays)
+        if faces is not None:
+            return ImageArray(self._model, rays, faces, world, rng, monostatic=monostatic)
+        if self.search == "images":
+            raise InputError("search 'images' needs an engine that knows the room's faces")
+        return PhysicalArray(self._model, rays, world, rng, monostatic=monostatic)
 
     def listen(
         self,
@@ -120,7 +139,7 @@ class PhysicalSonar:
         rng: np.random.Generator,
     ) -> Echoes:
         """Fire k transducers without cross-talk between them, see `sim.sonar.protocol.Sonar`."""
-        array = PhysicalArray(self._model, rays, world, rng, monostatic=True)
+        array = self._array(rays, world, rng, monostatic=True)
         array.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
         return array.detect()
 
@@ -155,6 +174,32 @@ class PhysicalSonar:
             cone_rad=self.ring.half_angle_rad,
             range_max_m=self.ring.range_max_m,
         )
+
+    @cached_property
+    def image_limits(self) -> ImageLimits:
+        """Which image sources the compiled steps look for."""
+        own_s = self._least_own_gap_s
+        return ImageLimits(
+            reach_m=float(self._reaches_m[-1]),
+            max_bounces=int(self.max_bounces),
+            wide_rad=min(float(self.bearing_rad[-1]), _WIDEST_RAD),
+            least_cross_path_m=self.limits.least_cross_path_m,
+            least_late_path_m=self.air.speed_mps * own_s,
+            is_late=own_s < self.sound_life_s,
+            cone_rad=float(self.ring.half_angle_rad),
+            range_max_m=float(self.ring.range_max_m),
+        )
+
+    @cached_property
+    def _least_own_gap_s(self) -> float:
+        """Shortest time between two firings of one sonar, seconds."""
+        last_s: dict[int, float] = {}
+        least_s = math.inf
+        for ping in self._pings(scans=3):
+            for sonar in ping.sonars:
+                least_s = min(least_s, ping.time_s - last_s.get(sonar, -math.inf))
+                last_s[sonar] = ping.time_s
+        return least_s
 
     @cached_property
     def _reaches_m(self) -> NDArray[np.float64]:
@@ -258,6 +303,7 @@ class PhysicalSonar:
             interferers=self.interferers,
             acoustics=self.acoustics,
             limits=self.limits,
+            image_limits=self.image_limits,
             bearing_rad=self.bearing_rad,
             ray_reach_m=self.ray_reach_m,
         )

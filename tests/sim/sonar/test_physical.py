@@ -214,6 +214,7 @@ def test_reading_does_not_depend_on_the_number_of_rays(axis_deg):
             axis_deg=axis_deg,
             sonar=SHARP.replace(
                 receiver=Receiver(noise_std_m=0, weak_noise_std_m=0, quantum_m=0),
+                search="rays",
                 ray_step_rad=math.radians(step_deg),
             ),
         )

@@ -110,12 +110,13 @@ def random_room(rng):
     return world(*solids)
 
 
-def test_mirror_ways_equal_a_walk_over_all_pairs_of_faces(rng):
+@pytest.mark.parametrize("search", ["images", "rays"])
+def test_mirror_ways_equal_a_walk_over_all_pairs_of_faces(search, rng):
     assert Air().absorption_db_per_m(49_400) > 1  # the gain takes this back as well
     seen = {0: 0, 1: 0}
     for _ in range(150):
         room, axis_rad = random_room(rng), rng.uniform(-math.pi, math.pi)
-        array = SONAR.array(room.faces, room, rng)
+        array = SONAR.replace(search=search).array(room.faces, room, rng)
         array.fire(0.0, (0,), np.zeros((1, 2)), np.array([axis_rad]))
         echoes = array.detect()
         # What is louder than the threshold by a hair may be lost to the beam's table.

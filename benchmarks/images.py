@@ -1,0 +1,104 @@
+"""What the physical sonar costs by image sources and by rays, and how far the two agree.
+
+Both searches run in turn in one process, so that what else the machine does meets them alike.
+"""
+
+import math
+from dataclasses import replace
+from itertools import product
+from time import perf_counter
+
+import numpy as np
+
+import sim
+import worlds
+from sim import AllAtOnce, Receiver
+from sim.engines.segments import Segments
+from sim.sonar.firing import pings
+from sim.sonar.presets import preset
+
+SCANS, STOPS = 150, 40
+PHYSICAL = preset("physical")
+QUIET = PHYSICAL.replace(receiver=Receiver(noise_std_m=0, weak_noise_std_m=0, quantum_m=0))
+Stops = list[tuple[float, float, float]]
+
+
+def main() -> None:
+    office = worlds.load("office")
+    for search, step_deg in (("rays", 1.0), ("images", 1.0)):
+        sonar = PHYSICAL.replace(search=search, ray_step_rad=math.radians(step_deg))
+        drive_us, sonar_us = min(drive_us_of(office, sonar) for _ in range(4)), kernel_us(
+            office, sonar
+        )  # fmt: skip
+        print(
+            f"office, in turn, one bounce, {search}: {1e6 / drive_us:,.0f} readings/s a drive "
+            f"(wanted 60,000), of {drive_us:.0f} us a reading the sonar takes {sonar_us:.0f}"
+        )
+    for firing, bounces in product((PHYSICAL.firing, AllAtOnce(0.1)), range(4)):
+        sonar = PHYSICAL.replace(firing=firing, max_bounces=bounces)
+        cost = [kernel_us(office, sonar.replace(search=search)) for search in ("rays", "images")]
+        print(
+            f"{type(firing).__name__}, {bounces} bounces: {cost[0]:.0f} us a reading by rays, "
+            f"{cost[1]:.0f} by images"
+        )
+    for name in worlds.names():
+        room = worlds.load(name)
+        room = room.with_materials([replace(s.material, roughness_m=0.0) for s in room.solids])
+        alike = [agreement(room, step_deg) for step_deg in (1.0, 0.1)]
+        print(f"{name}: {alike[0]:.1%} of rays 1 degree apart agree, {alike[1]:.1%} of 0.1 degree")
+
+
+def stops_in(room: worlds.World, count: int) -> Stops:
+    """Return poses where the robot fits."""
+    rng, stops = np.random.default_rng(3), []
+    while len(stops) < count:
+        x, y = rng.uniform(room.bounds_m[:2], room.bounds_m[2:])
+        if room.has_room_at(x, y, radius_m=0.2):
+            stops.append((x, y, rng.uniform(-math.pi, math.pi)))
+    return stops
+
+
+def read(room: worlds.World, sonar: sim.PhysicalSonar, stops: Stops) -> tuple[list, float]:
+    """Return the echoes of a scan at each pose, and how long it took, seconds."""
+    ring, order = sonar.ring, list(pings(sonar.firing, len(sonar.ring), scans=1))
+    places = [ring.sensor_xy_m(slice(None), *stop) for stop in stops]
+    with Segments(room, room.start) as engine:
+        array = sonar.array(engine, room, np.random.default_rng(0))
+        begin, echoes = perf_counter(), []
+        for k, (place, stop) in enumerate(zip(places, stops, strict=True)):
+            for ping in order:
+                axes = stop[2] + ring.heading_rad
+                array.fire(10 * k + ping.time_s, ping.sonars, place, axes)
+            echoes.append(array.detect())
+    return echoes, perf_counter() - begin
+
+
+def kernel_us(room: worlds.World, sonar: sim.PhysicalSonar) -> float:
+    """Return the best time of a reading at some poses, without driving."""
+    stops = stops_in(room, STOPS)
+    return min(read(room, sonar, stops)[1] for _ in range(6)) / STOPS / 8 * 1e6
+
+
+def drive_us_of(room: worlds.World, sonar: sim.PhysicalSonar) -> float:
+    """Return the time of a reading of a whole drive."""
+    begin = perf_counter()
+    sim.simulate(room, scans=SCANS, seed=0, driver="route", sonar=sonar, engine="segments")
+    return (perf_counter() - begin) / SCANS / 8 * 1e6
+
+
+def agreement(room: worlds.World, step_deg: float) -> float:
+    """Return the share of readings alike: within 1 mm, with one cause, source and bounces."""
+    stops = stops_in(room, STOPS)
+    rays = QUIET.replace(search="rays", ray_step_rad=math.radians(step_deg))
+    alike = []
+    for one, other in zip(read(room, rays, stops)[0], read(room, QUIET, stops)[0], strict=True):
+        equal = one.range_m == other.range_m
+        apart = np.where(equal, 0.0, one.range_m) - np.where(equal, 0.0, other.range_m)
+        for column in ("cause", "bounces", "source"):
+            apart[getattr(one, column) != getattr(other, column)] = math.inf
+        alike.append(np.abs(apart) < 1e-3)
+    return float(np.mean(alike))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+"""Columns of the tables that the compiled image sources pass on.
+
+Passing an array on costs its count of references, so what is asked for often lies in few tables.
+"""
+
+from __future__ import annotations
+
+# Segments: ends, normal, side of the outside (1 that of the normal, -1 the other, 0 unknown), level
+# of the mirror and of the scattering, surface, where the list of what stands before it begins and
+# ends.
+X0, Y0, X1, Y1, NORMAL_X, NORMAL_Y, OUTWARD, MIRROR, FLOOR, SURFACE = range(10)
+FIRST, LAST, FACE_COLUMNS = range(10, 13)
+# Pillars and vertices: place, radius or 0, levels and surface of a pillar, where the arms of a
+# vertex begin and end.
+POINT_X, POINT_Y, RADIUS, POINT_MIRROR, POINT_FLOOR, POINT_SURFACE = range(6)
+FIRST_ARM, LAST_ARM, POINT_COLUMNS = range(6, 9)
+# Arms of vertices: unit vector away from it, the segment.
+ARM_X, ARM_Y, ARM_FACE, ARM_COLUMNS = range(4)
+# Images: place, the axis as it looks from there, sign of bearings, sum of the one-way losses of
+# its mirrors; the window through which it looks: directions of its right and left end, its normal
+# towards what is before it, a point of it, its segment or -1; the next mirror to be tried.
+IMAGE_X, IMAGE_Y, AXIS_X, AXIS_Y, SIGN, LOSS, RIGHT_X, RIGHT_Y, LEFT_X, LEFT_Y = range(10)
+WINDOW_X, WINDOW_Y, ON_X, ON_Y, FACE, NEXT, IMAGE_COLUMNS = range(10, 17)
+# Echoes: when they cross the threshold, path, level, surface, incidence, over how many mirrors;
+# the place that turns them and whether they come back straight from there.
+CROSSING, PATH, LEVEL, ECHO_SURFACE, INCIDENCE, BOUNCES, AT_X, AT_Y, IS_STRAIGHT = range(9)
+ECHO_COLUMNS = 9

@@ -1,0 +1,282 @@
+"""Compiled: a sonar's own echoes from an image, in the order in which they would be detected.
+
+Row 0 of a table of echoes is the best so far: the first that the sonar detects. An echo that
+comes later is left out by arithmetic; of those that come before it, the first with a free path
+takes its place. Only where the sonar fires again while its sound lasts, later ones count, too.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sim.sonar.physical.images import columns as c
+from sim.sonar.physical.images.paths import (
+    EDGE_ON_M,
+    OFF_M,
+    RIGHT_ANGLE,
+    bearing,
+    blocked_at,
+    in_window,
+    is_leg_free,
+)
+from sim.sonar.physical.images.room import FLUSH
+from sim.sonar.physical.levels import beam_db, mirror_echo_db, tvg_db
+from sonarmap.kernels.jit import njit
+
+__all__ = ["crossing_s", "find_echoes", "has_late", "is_free", "take_first"]
+
+# Feet may lie this share of a face's length beyond its ends, so that none is lost at a joint.
+_OVERHANG = 1e-9
+
+
+@njit(error_model="numpy")
+def crossing_s(acoustics, path_m, level_db):
+    """Return when a sonar detects its own sound, seconds since it was sent; +inf if never."""
+    arrival_s = path_m / acoustics.speed_mps
+    if arrival_s <= 0 or arrival_s > acoustics.window_s or arrival_s > acoustics.life_s:
+        return math.inf
+    over_db = level_db + tvg_db(acoustics, arrival_s)
+    if over_db <= 0:
+        return math.inf
+    at_s = arrival_s + acoustics.pulse_s * 10 ** (-over_db / 20)
+    if at_s < acoustics.blanking_s:
+        if arrival_s + acoustics.pulse_s < acoustics.blanking_s:
+            return math.inf
+        at_s = acoustics.blanking_s
+    return at_s if at_s <= acoustics.window_s else math.inf
+
+
+@njit(error_model="numpy")
+def find_echoes(
+    faces, points, arms, before, is_listed, acoustics, limits, x, y, axis, stack, level, echoes
+):
+    """Find the echoes of an image that may come before the best so far; return how many rows.
+
+    What rough places scatter is left out.
+    """
+    mirror = int(stack[level, c.FACE])
+    listed = level > 0 and is_listed
+    first, last = 0, len(faces) + len(points)
+    if listed:
+        first, last = int(faces[mirror, c.FIRST]), int(faces[mirror, c.LAST])
+    far_m = limits.reach_m
+    if not limits.is_late:
+        far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+    ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
+    right_x, right_y = stack[level, c.RIGHT_X], stack[level, c.RIGHT_Y]
+    left_x, left_y = stack[level, c.LEFT_X], stack[level, c.LEFT_Y]
+    out_x, out_y = stack[level, c.WINDOW_X], stack[level, c.WINDOW_Y]
+    on_x, on_y = stack[level, c.ON_X] - ix, stack[level, c.ON_Y] - iy
+    count = 1
+    # Most things fail a test of a few products: they are made here, because a call costs more.
+    for k in range(first, last):
+        i = int(before[k]) if listed else k
+        if i >= len(faces):
+            j = i - len(faces)
+            px, py = points[j, c.POINT_X] - ix, points[j, c.POINT_Y] - iy
+            most_m = far_m + points[j, c.RADIUS]
+            if (
+                px * px + py * py < most_m * most_m
+                # The way to a pillar's foot is the way to its centre.
+                and right_x * py - right_y * px >= 0
+                and px * left_y - py * left_x >= 0
+            ):
+                count = _find_of_point(
+                    faces, points, arms, acoustics, limits, stack, level, j, echoes, count
+                )
+            continue
+        ax, ay = faces[i, c.X0] - ix, faces[i, c.Y0] - iy
+        nx, ny = faces[i, c.NORMAL_X], faces[i, c.NORMAL_Y]
+        height = -(ax * nx + ay * ny)
+        if faces[i, c.OUTWARD] * height < 0 or i == mirror:
+            continue
+        half_m = abs(height)
+        if half_m < EDGE_ON_M or (half_m >= far_m and level == 0):
+            continue
+        ex, ey = faces[i, c.X1] - faces[i, c.X0], faces[i, c.Y1] - faces[i, c.Y0]
+        length_2 = ex * ex + ey * ey
+        along = -(ax * ex + ay * ey)
+        px, py = -height * nx, -height * ny
+        if (
+            half_m < far_m
+            and -_OVERHANG * length_2 <= along <= (1 + _OVERHANG) * length_2
+            and right_x * py - right_y * px >= 0
+            and px * left_y - py * left_x >= 0
+            and (level == 0 or (px - on_x) * out_x + (py - on_y) * out_y > OFF_M)
+        ):
+            level_db = mirror_echo_db(acoustics, 2 * half_m) + faces[i, c.MIRROR]
+            sent_db = beam_db(acoustics, bearing(stack, level, ix + px, iy + py))
+            level_db += 2 * (stack[level, c.LOSS] + sent_db)
+            # What a rough face scatters at its foot adds to the mirror's.
+            level_db += 10 * math.log10(1 + 10 ** (faces[i, c.FLOOR] / 10))
+            count = _with_echo(
+                acoustics, limits, echoes, count, 2 * half_m, level_db, faces[i, c.SURFACE], 0.0,
+                level, ix + px, iy + py, 0.0,
+            )  # fmt: skip
+        if level == 0:
+            continue
+        # Back another way: from the face straight to the sonar.
+        side = 1.0 if height > 0 else -1.0
+        own_m = ((x - faces[i, c.X0]) * nx + (y - faces[i, c.Y0]) * ny) * side
+        if own_m <= 0:
+            continue
+        ox, oy = ix + 2 * px - x, iy + 2 * py - y
+        path_2 = ox * ox + oy * oy
+        if path_2 >= 4 * far_m * far_m:
+            continue
+        # Of two faces at a right angle all comes from their corner.
+        if abs(nx * out_x + ny * out_y) < RIGHT_ANGLE:
+            continue
+        back = own_m / (own_m + half_m)
+        qx, qy = x + back * ox - ix, y + back * oy - iy
+        along = (qx - ax) * ex + (qy - ay) * ey
+        if (
+            0 <= along <= length_2
+            and right_x * qy - right_y * qx >= 0
+            and qx * left_y - qy * left_x >= 0
+            and (qx - on_x) * out_x + (qy - on_y) * out_y > OFF_M
+        ):
+            path_m = math.sqrt(path_2)
+            level_db = mirror_echo_db(acoustics, path_m) + stack[level, c.LOSS]
+            level_db += beam_db(acoustics, bearing(stack, level, ix + qx, iy + qy))
+            level_db += beam_db(acoustics, math.atan2(oy, ox) - axis) + faces[i, c.MIRROR]
+            incidence_rad = math.acos(min(1.0, own_m / max(back * path_m, 1e-12)))
+            count = _with_echo(
+                acoustics, limits, echoes, count, path_m, level_db, faces[i, c.SURFACE],
+                incidence_rad, level, ix + qx, iy + qy, 1.0,
+            )  # fmt: skip
+    return count
+
+
+@njit(error_model="numpy")
+def _find_of_point(faces, points, arms, acoustics, limits, stack, level, k, echoes, count):
+    """Find the echo of a pillar, a corner or an edge."""
+    ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
+    px, py, radius_m = points[k, c.POINT_X], points[k, c.POINT_Y], points[k, c.RADIUS]
+    vx, vy = px - ix, py - iy
+    apart_m = math.sqrt(vx * vx + vy * vy)
+    half_m = apart_m - radius_m
+    if half_m < EDGE_ON_M:
+        return count  # a sonar inside of a pillar is deaf to it
+    if radius_m > 0:
+        px, py = ix + vx * half_m / apart_m, iy + vy * half_m / apart_m
+    if level > 0 and not in_window(stack, level, px, py):
+        return count
+    level_db = mirror_echo_db(acoustics, 2 * half_m)
+    level_db += 2 * (stack[level, c.LOSS] + beam_db(acoustics, bearing(stack, level, px, py)))
+    # Nothing round or pointed is louder than this.
+    if level_db + tvg_db(acoustics, acoustics.window_s) <= 0:
+        return count
+    if radius_m > 0:
+        share_db = 10 * math.log10(radius_m / (radius_m + half_m))
+        level_db += max(share_db, points[k, c.POINT_FLOOR]) + points[k, c.POINT_MIRROR]
+        return _with_echo(
+            acoustics, limits, echoes, count, 2 * half_m, level_db, points[k, c.POINT_SURFACE],
+            0.0, level, px, py, 0.0,
+        )  # fmt: skip
+    face, share_db = _vertex(
+        faces, arms, acoustics, int(points[k, c.FIRST_ARM]), int(points[k, c.LAST_ARM]), -vx, -vy,
+        half_m,
+    )  # fmt: skip
+    if face < 0:
+        return count
+    cos = abs(vx * faces[face, c.NORMAL_X] + vy * faces[face, c.NORMAL_Y]) / half_m
+    return _with_echo(
+        acoustics, limits, echoes, count, 2 * half_m, level_db + share_db, faces[face, c.SURFACE],
+        math.acos(min(1.0, cos)), level, px, py, 0.0,
+    )  # fmt: skip
+
+
+@njit(error_model="numpy")
+def _vertex(faces, arms, acoustics, first, last, dx, dy, half_m):
+    """Return (face, level against a perfect mirror) of a vertex seen from a direction.
+
+    What counts are the two arms between which the direction lies: less than a straight angle
+    between them makes a hollow corner, which answers if it is right-angled, more makes an edge.
+    Face -1 stands for nothing that answers.
+    """
+    right, left = -1, -1
+    right_rad, left_rad = math.inf, math.inf
+    for k in range(first, last):
+        ax, ay = arms[k, c.ARM_X], arms[k, c.ARM_Y]
+        turn = math.atan2(ax * dy - ay * dx, ax * dx + ay * dy)
+        back = turn if turn >= 0 else turn + 2 * math.pi
+        if back < right_rad:
+            right, right_rad = k, back
+        forth = -turn if turn <= 0 else 2 * math.pi - turn
+        if forth < left_rad:
+            left, left_rad = k, forth
+    if right < 0:
+        return -1, 0.0
+    dot = arms[right, c.ARM_X] * arms[left, c.ARM_X] + arms[right, c.ARM_Y] * arms[left, c.ARM_Y]
+    cross = arms[right, c.ARM_X] * arms[left, c.ARM_Y] - arms[right, c.ARM_Y] * arms[left, c.ARM_X]
+    if dot < 0 and abs(cross) < FLUSH:
+        return -1, 0.0
+    one, other = int(arms[right, c.ARM_FACE]), int(arms[left, c.ARM_FACE])
+    if right_rad + left_rad < math.pi:
+        if abs(dot) >= RIGHT_ANGLE:
+            return -1, 0.0
+        return min(one, other), faces[one, c.MIRROR] + faces[other, c.MIRROR]
+    # Of an edge both faces are seen, or one.
+    face = min(one, other)
+    if right_rad >= math.pi:
+        face = other
+    elif left_rad >= math.pi:
+        face = one
+    level_db = acoustics.edge_db - 20 * math.log10(max(half_m, 0.01))
+    return face, level_db + faces[face, c.MIRROR]
+
+
+@njit(error_model="numpy")
+def has_late(limits, path_m):
+    """Return whether a path is so long that the sonar hears it only after its next firing."""
+    return limits.is_late and limits.least_late_path_m <= path_m <= 2 * limits.reach_m
+
+
+@njit(error_model="numpy")
+def _with_echo(
+    acoustics, limits, echoes, count, path_m, level_db, surface, incidence_rad, bounces, x, y,
+    is_straight,
+):  # fmt: skip
+    """Add an echo that may come before the best, or so late that the next firing hears it."""
+    at_s = crossing_s(acoustics, path_m, level_db)
+    if at_s >= echoes[0, c.CROSSING]:
+        if not has_late(limits, path_m) or (level_db + tvg_db(acoustics, acoustics.window_s) <= 0):
+            return count
+        at_s = math.inf
+    echoes[count, c.CROSSING], echoes[count, c.PATH], echoes[count, c.LEVEL] = (
+        at_s,
+        path_m,
+        level_db,
+    )
+    echoes[count, c.ECHO_SURFACE], echoes[count, c.INCIDENCE] = surface, incidence_rad
+    echoes[count, c.BOUNCES], echoes[count, c.IS_STRAIGHT] = bounces, is_straight
+    echoes[count, c.AT_X], echoes[count, c.AT_Y] = x, y
+    return count + 1
+
+
+@njit(error_model="numpy")
+def take_first(rays, stack, level, x, y, echoes, count):
+    """Let the first of the echoes whose path is free be the best; return how many are left."""
+    while True:
+        first, first_s = 0, echoes[0, c.CROSSING]
+        for k in range(1, count):
+            if echoes[k, c.CROSSING] < first_s:
+                first, first_s = k, echoes[k, c.CROSSING]
+        if first == 0:
+            return count
+        if is_free(rays, stack, level, x, y, echoes, first):
+            for column in range(c.ECHO_COLUMNS):
+                echoes[0, column] = echoes[first, column]
+        count -= 1
+        for column in range(c.ECHO_COLUMNS):
+            echoes[first, column] = echoes[count, column]
+
+
+@njit(error_model="numpy")
+def is_free(rays, stack, level, x, y, echoes, k):
+    """Return whether an echo's path is free, there and back to the sonar at (x, y)."""
+    at_x, at_y = echoes[k, c.AT_X], echoes[k, c.AT_Y]
+    if blocked_at(rays, stack, level, at_x, at_y)[0] >= 0:
+        return False
+    return echoes[k, c.IS_STRAIGHT] == 0 or is_leg_free(rays, x, y, at_x, at_y)

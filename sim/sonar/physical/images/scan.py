@@ -1,0 +1,180 @@
+"""Compiled: one scan of a physical sonar by image sources, from firings to readings."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.sonar.physical import columns as t
+from sim.sonar.physical.detection import detect, readings
+from sim.sonar.physical.images import columns as c
+from sim.sonar.physical.images.crosstalk import find_crosstalk
+from sim.sonar.physical.images.echoes import find_echoes, has_late, is_free, take_first
+from sim.sonar.physical.images.paths import blocked_at, is_leg_free, next_image, set_transducer
+from sim.sonar.physical.images.scatter import find_scatter
+from sim.sonar.physical.images.truth import true_ranges
+from sonarmap.kernels.jit import njit
+
+__all__ = ["listen_images"]
+
+
+@njit(error_model="numpy")
+def listen_images(
+    scene, surfaces, acoustics, limits, monostatic, times_s, sonars, start, xy, axis, sounds,
+    draws, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m,
+):  # fmt: skip
+    """Return (readings, firings, detections, the sounds that later firings may still detect).
+
+    Parameters
+    ----------
+    scene : Scene
+        The room.
+    surfaces, acoustics
+        See `sim.sonar.physical.tracing.advance_tracing`.
+    limits : ImageLimits
+    monostatic : bool
+        Whether each sonar receives its own sound only.
+    times_s : ndarray, shape (p,)
+        When sonars fired together, p times.
+    sonars, start : ndarray of int, shapes (n,), (p + 1,)
+        Which fired, and where those of each time begin.
+    xy, axis : ndarray, shapes (p, ring, 2), (p, ring)
+        All transducers at these times.
+    sounds : ndarray, shape (m, SOUND_COLUMNS)
+        Those that are under way.
+    draws : ndarray, shape (n,)
+        Of the normal distribution.
+    noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m : float
+        See `sim.sonar.physical.detection.readings`.
+    """
+    fired = np.empty((len(sonars), t.FIRED_COLUMNS))
+    stack = np.empty((limits.max_bounces + 1, c.IMAGE_COLUMNS))
+    # Of one image no face has more than two echoes, no point more than one; and the best.
+    most = 2 * len(scene.faces) + len(scene.points) + 1
+    echoes = np.empty((max(most, axis.shape[1]), c.ECHO_COLUMNS))
+    until_m = np.empty(axis.shape[1])
+    count = len(sounds)
+    for p in range(len(times_s)):
+        until_m[:] = math.inf
+        for k in range(start[p], start[p + 1]):
+            fired[k, t.FIRED_TIME], fired[k, t.FIRED_SONAR] = times_s[p], sonars[k]
+            sounds, count = _own_sounds(
+                scene, acoustics, limits, fired, k, sonars[k], xy[p], axis[p], stack, echoes,
+                until_m, sounds, count,
+            )  # fmt: skip
+        if not monostatic and axis.shape[1] > 1:
+            for k in range(start[p], start[p + 1]):
+                sounds, count = _others_sounds(
+                    scene, acoustics, limits, times_s[p], sonars[k], xy[p], axis[p], stack, echoes,
+                    until_m, sounds, count,
+                )  # fmt: skip
+    detections, sounds = detect(fired, sounds[:count], acoustics)
+    reading_m = readings(
+        detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m
+    )
+    return reading_m, fired, detections, sounds
+
+
+@njit(error_model="numpy")
+def _own_sounds(
+    scene, acoustics, limits, fired, k, sonar, xy, axes, stack, echoes, until_m, sounds, count
+):
+    """Set true ranges; add what a sonar detects first of its own sound, and what comes late."""
+    faces, points, arms, before, is_listed, rays = scene
+    sent_s, x, y, axis = fired[k, t.FIRED_TIME], xy[sonar, 0], xy[sonar, 1], axes[sonar]
+    fired[k, t.FIRED_AXIS], fired[k, t.FIRED_CONE] = true_ranges(
+        faces, points, rays, limits.range_max_m, limits.cone_rad, x, y, axis
+    )
+    echoes[0, c.CROSSING], echoes[0, c.BOUNCES] = acoustics.window_s, -1.0
+    set_transducer(stack, limits.wide_rad, x, y, axis)
+    level = 0
+    while level >= 0:
+        if stack[level, c.NEXT] == 0:
+            found = find_echoes(
+                faces, points, arms, before, is_listed, acoustics, limits, x, y, axis, stack,
+                level, echoes,
+            )  # fmt: skip
+            if found > 1:
+                found = take_first(rays, stack, level, x, y, echoes, found)
+            if limits.is_late:
+                for e in range(1, found):
+                    if has_late(limits, echoes[e, c.PATH]) and is_free(
+                        rays, stack, level, x, y, echoes, e
+                    ):
+                        sounds, count = _with_sound(
+                            sounds, count, sent_s, sonar, sonar, echoes, e, level
+                        )
+            find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level, echoes)
+            stack[level, c.NEXT] = 0
+        far_m = limits.reach_m
+        if not limits.is_late:
+            far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+        if level < limits.max_bounces and next_image(
+            faces, before, is_listed, rays, acoustics, stack, level, far_m, 0.0, 0.0
+        ):
+            level += 1
+        else:
+            level -= 1
+    if echoes[0, c.BOUNCES] >= 0:
+        until_m[sonar] = echoes[0, c.CROSSING] * acoustics.speed_mps
+        sounds, count = _with_sound(
+            sounds, count, sent_s, sonar, sonar, echoes, 0, int(echoes[0, c.BOUNCES])
+        )
+    return sounds, count
+
+
+@njit(error_model="numpy")
+def _others_sounds(
+    scene, acoustics, limits, sent_s, sonar, xy, axes, stack, found, until_m, sounds, count
+):
+    """Add the sounds of a sonar that the others may detect."""
+    faces, _, _, before, is_listed, rays = scene
+    set_transducer(stack, limits.wide_rad, xy[sonar, 0], xy[sonar, 1], axes[sonar])
+    # The listeners lie in a circle about the sonar.
+    spread_m = 0.0
+    for k in range(len(axes)):
+        dx, dy = xy[k, 0] - xy[sonar, 0], xy[k, 1] - xy[sonar, 1]
+        spread_m = max(spread_m, math.sqrt(dx * dx + dy * dy))
+    level = 0
+    while level >= 0:
+        if stack[level, c.NEXT] == 0:
+            looked, paths = 0, 1
+            while paths > 0:
+                looked, paths = find_crosstalk(
+                    faces, before, is_listed, acoustics, limits, stack, level, sonar, xy, axes,
+                    until_m, spread_m, looked, found,
+                )  # fmt: skip
+                for e in range(paths):
+                    listener = int(found[e, c.IS_STRAIGHT])
+                    px, py = found[e, c.AT_X], found[e, c.AT_Y]
+                    if is_leg_free(rays, xy[listener, 0], xy[listener, 1], px, py) and (
+                        blocked_at(rays, stack, level, px, py)[0] < 0
+                    ):
+                        sounds, count = _with_sound(
+                            sounds, count, sent_s, sonar, listener, found, e, level
+                        )
+        if level < limits.max_bounces and next_image(
+            faces, before, is_listed, rays, acoustics, stack, level, 0.0,
+            limits.least_cross_path_m, limits.reach_m,
+        ):  # fmt: skip
+            level += 1
+        else:
+            level -= 1
+    return sounds, count
+
+
+@njit(error_model="numpy")
+def _with_sound(sounds, count, sent_s, source, listener, echoes, k, bounces):
+    """Add an echo to the sounds that are under way; return (sounds, how many there are now)."""
+    if count == len(sounds):
+        more = np.empty((2 * count + 16, t.SOUND_COLUMNS))
+        more[:count] = sounds
+        sounds = more
+    sounds[count, t.SOUND_SENT], sounds[count, t.SOUND_SOURCE] = sent_s, source
+    sounds[count, t.SOUND_LISTENER], sounds[count, t.SOUND_PATH] = listener, echoes[k, c.PATH]
+    sounds[count, t.SOUND_LEVEL] = echoes[k, c.LEVEL]
+    sounds[count, t.SOUND_SURFACE] = echoes[k, c.ECHO_SURFACE]
+    sounds[count, t.SOUND_INCIDENCE] = echoes[k, c.INCIDENCE]
+    sounds[count, t.SOUND_BOUNCES] = bounces
+    return sounds, count + 1
