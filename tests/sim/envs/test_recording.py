@@ -178,7 +178,7 @@ def minari(tmp_path, monkeypatch):
 def record(env, **changes):
     policy = random_policy(env.action_space, np.random.default_rng(0))
     arguments = {"episodes": 2, "seed": 5, **DESCRIPTION, **changes}
-    return record_minari(env, policy, "sonarbed/test/random-v1", **arguments)
+    return record_minari(env, policy, "sonarbed/test/random-v0", **arguments)
 
 
 def test_a_minari_data_set_survives_its_files(minari):
