@@ -272,7 +272,7 @@ def test_images_are_used_where_the_faces_are_known():
 def test_truth_of_the_cone_is_exact(rng):
     room = random_room(rng)
     ring = SonarRing("one", [0], [0], [0], math.radians(15), 0.1, 5.0)
-    sonar = PhysicalSonar("one", ring, AllAtOnce(0.1), receiver=EXACT)
+    sonar = PhysicalSonar("one", ring, AllAtOnce(0.1), receiver=EXACT, search="images")
     for x, y, axis in poses(room, 40, rng):
         echoes = heard(room, [(x, y)], [axis], sonar=sonar)
         angle = axis + np.radians(np.linspace(-15, 15, 3001))
