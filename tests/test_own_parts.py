@@ -96,4 +96,5 @@ def test_every_group_of_entry_points_has_an_example():
         "sonarbed.sonar_presets",
         "sonarbed.drivers",
         "sonarbed.tasks",
+        "sonarbed.room_styles",
     }
