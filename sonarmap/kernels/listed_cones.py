@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sonarmap.grid import GridSpec
-from sonarmap.kernels.fusion import bearing_polynomial, count_cells, list_cones
+from sonarmap.kernels.fusion import (
+    Cone,
+    GridCells,
+    Sensors,
+    bearing_polynomial,
+    count_cells,
+    list_cones,
+)
 from sonarmap.kernels.jit import njit
 
 __all__ = ["ListedCones"]
@@ -56,11 +63,12 @@ class ListedCones:
         reach_m : ndarray, shape (n,)
             How far each cone is listed, metres.
         """
-        place = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
-        cones = (sensor_xy_m, axis_rad, half_angle_rad, reach_m)
-        bounds = count_cells(*place, *cones)
+        place = GridCells(*grid.shape, *grid.origin_xy_m, grid.resolution_m)
+        sensors = Sensors(sensor_xy_m, axis_rad)
+        cone = Cone(half_angle_rad, bearing_polynomial(half_angle_rad))
+        bounds = count_cells(place, sensors, half_angle_rad, reach_m)
         first_run, first_cell, run_cell, run_length, range_m, share = list_cones(
-            *place, *cones, bearing_polynomial(half_angle_rad), bounds
+            place, sensors, cone, reach_m, bounds
         )
         del first_run  # the runs of all cones follow one another, as the cells do
         return cls(first_cell, _cells_of(run_cell, run_length, range_m.size), range_m, share)

@@ -133,25 +133,21 @@ def cone_cells(
     cells : Cells
         The cells of these.
     """
-    from sonarmap.kernels.fusion import bearing_polynomial, count_cells, list_cones  # numba
+    from sonarmap.kernels import fusion  # numba: loaded when mapping
     from sonarmap.kernels.layers import expand_runs
 
     if len(beams) == 0:
         return
-    where = (*grid.shape, *grid.origin_xy_m, grid.resolution_m)
-    bearing = bearing_polynomial(half_angle_rad)
-    bounds = count_cells(*where, beams.sensor_xy_m, beams.axis_rad, half_angle_rad, reach_m)
+    where = fusion.GridCells(*grid.shape, *grid.origin_xy_m, grid.resolution_m)
+    cone = fusion.Cone(half_angle_rad, fusion.bearing_polynomial(half_angle_rad))
+    sensors = fusion.Sensors(beams.sensor_xy_m, beams.axis_rad)
+    bounds = fusion.count_cells(where, sensors, half_angle_rad, reach_m)
     parts = bounds[:, 0].cumsum() // _PART_CELLS
     begins = [0, *(np.flatnonzero(np.diff(parts)) + 1).tolist(), len(beams)]
     for begin, end in itertools.pairwise(begins):
         rows = slice(begin, end)
-        _, first, run_cell, run_length, range_m, share = list_cones(
-            *where,
-            beams.sensor_xy_m[rows],
-            beams.axis_rad[rows],
-            half_angle_rad,
-            reach_m[rows],
-            bearing,
-            bounds[rows],
+        part = fusion.Sensors(beams.sensor_xy_m[rows], beams.axis_rad[rows])
+        _, first, run_cell, run_length, range_m, share = fusion.list_cones(
+            where, part, cone, reach_m[rows], bounds[rows]
         )
         yield rows, Cells(first, expand_runs(run_cell, run_length, range_m.size), range_m, share)
