@@ -170,6 +170,8 @@ def _begin(stop: Event) -> None:
 
 
 def _stopped(number: int, frame: object) -> None:
+    # A callback of C cannot be left by it, and would tell.
+    sys.unraisablehook = lambda unraisable: None
     raise _Stopped
 
 
