@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import atexit
-import faulthandler
 import os
-import signal
 import sys
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 
 import typer
 from typer.exceptions import TyperException
@@ -30,16 +26,13 @@ from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
 from sonarbed.commands.worlds import WorldsCommand, worlds
 from sonarbed.encoding import plain_where_needed
+from sonarbed.interruption import INTERRUPTED, STOPPED, Interruption
 from sonarbed.surroundings import open_streams, quiet_matplotlib
 from sonarmap.errors import InputError
 
 __all__ = ["app", "main"]
 
-# Exit codes as shells know them: 2 for bad input, 128 + 2 for an interrupt.
-BAD_INPUT, INTERRUPTED = 2, 130
-_STOPPED = "interrupted; what was finished is kept"
-# What takes longer to clear up after Ctrl-C is left, seconds.
-_PATIENCE_S = 2.3
+BAD_INPUT = 2
 
 app = typer.Typer(
     name="sonarbed",
@@ -73,16 +66,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     open_streams()
     plain_where_needed(sys.stdout, sys.stderr)
     # A notebook that calls this lives on, whatever becomes of the command.
-    interruption = _Interruption(ends_process=argv is None)
+    interruption = Interruption(ends_process=argv is None)
     try:
-        with _interruptible(interruption), _modules_of_this_folder(), quiet_matplotlib():
+        with interruption.heard(), _modules_of_this_folder(), quiet_matplotlib():
             code = _run(arguments, interruption)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt
         # Now, not when Python ends: a full disk or a closed pipe is found out here.
         sys.stdout.flush()
     except (KeyboardInterrupt, typer.Abort):
-        code = INTERRUPTED if interruption.is_said else _fail(_STOPPED, INTERRUPTED)
+        code = INTERRUPTED if interruption.wait_told() else _fail(STOPPED, INTERRUPTED)
         if interruption.ends_process:
             # At once: to clear up after compilers and pools may take Python longer than a person
             # waits. It would also end by the signal, not with our code, if that met an `exec`.
@@ -108,53 +101,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
-@dataclass
-class _Interruption:
-    """Whether a person has been told that the command stops, and whether the process ends, too."""
-
-    ends_process: bool
-    is_said: bool = False
-
-
-def _run(arguments: Sequence[str], interruption: _Interruption) -> object:
+def _run(arguments: Sequence[str], interruption: Interruption) -> object:
     try:
         return app(arguments, prog_name="sonarbed", standalone_mode=False)
     except Exception:
         # What is interrupted in C code, as a compiler, may end in any error.
-        if interruption.is_said:
+        if interruption.is_heard:
             raise KeyboardInterrupt from None
         raise
-
-
-@contextmanager
-def _interruptible(interruption: _Interruption) -> Iterator[None]:
-    """Say at once that Ctrl-C was heard, and take SIGTERM as one: workers end with this process.
-
-    Only the main thread may, and need, care for signals.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def interrupt(number: int, frame: object) -> None:
-        # At once, for to unwind may take a moment; not by `print`, which may be interrupted.
-        with suppress(OSError):
-            os.write(2, f"sonarbed: {_STOPPED}\n".encode())
-        interruption.is_said = True
-        if interruption.ends_process:
-            _end_soon()
-        raise KeyboardInterrupt
-
-    # Where Ctrl-C is ignored, as in a job of the background, it stays so.
-    heard = [signal.SIGTERM]
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        heard.append(signal.SIGINT)
-    before = {number: signal.signal(number, interrupt) for number in heard}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 @contextmanager
@@ -169,16 +123,6 @@ def _modules_of_this_folder() -> Iterator[None]:
         yield
     finally:
         sys.path.remove(folder)
-
-
-def _end_soon() -> None:
-    """End this process in less time than a person waits, whatever it is at."""
-    thread = threading.Timer(_PATIENCE_S, os._exit, (INTERRUPTED,))
-    thread.daemon = True
-    thread.start()
-    # Compiled code may keep Python's threads from running; this one is C's. It ends with 1.
-    nowhere = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115, PTH123 - as long as we live
-    faulthandler.dump_traceback_later(_PATIENCE_S + 0.5, exit=True, file=nowhere)
 
 
 def _own_folder() -> str | None:

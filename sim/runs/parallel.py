@@ -41,9 +41,9 @@ Task = TypeVar("Task")
 Result = TypeVar("Result")
 
 
-def checked_jobs(jobs: int) -> int:
+def checked_jobs(jobs: int, name: str = "jobs") -> int:
     """Return a number of processes, or raise `InputError`: at least one, no more than can work."""
-    return whole("jobs", jobs, least=1, most=max(_MOST_JOBS, 4 * (os.cpu_count() or 1)))
+    return whole(name, jobs, least=1, most=max(_MOST_JOBS, 4 * (os.cpu_count() or 1)))
 
 
 def run_all(
@@ -170,6 +170,8 @@ def _begin(stop: Event) -> None:
 
 
 def _stopped(number: int, frame: object) -> None:
+    # A callback of C cannot be left by it, and would tell.
+    sys.unraisablehook = lambda unraisable: None
     raise _Stopped
 
 

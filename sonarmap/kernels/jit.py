@@ -17,18 +17,20 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     cache. Where there is neither, as for a service without a home, every process compiles anew:
     slower, but it works. (Numba itself refuses such a place, already when a module is imported.)
 
+    It runs without Python's lock, so that other threads go on: one of them hears Ctrl-C.
+
     Parameters
     ----------
     **options
-        As for `numba.njit`, but for ``cache``.
+        As for `numba.njit`, but for ``cache`` and ``nogil``.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:
-            return numba.njit(cache=True, **options)(function)
+            return numba.njit(cache=True, nogil=True, **options)(function)
         except RuntimeError as error:
             if "no locator available" not in str(error):
                 raise
-            return numba.njit(**options)(function)
+            return numba.njit(nogil=True, **options)(function)
 
     return compiled

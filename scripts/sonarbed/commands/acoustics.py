@@ -29,7 +29,7 @@ def acoustics(
     from sonarbed.reporting.report import write_report
     from sonarbed.studies.acoustics import PARTS, load
 
-    checked_jobs(jobs)
+    checked_jobs(jobs, "--jobs")
     with progress() as bars:
         overall = bars.add_task("parts", total=len(PARTS))
         current = bars.add_task("", total=1)

@@ -39,7 +39,7 @@ def thesis(
     from sonarbed.studies.thesis.questions import ThesisSection
     from sonarbed.studies.thesis.report import write_thesis_report
 
-    checked_jobs(jobs)
+    checked_jobs(jobs, "--jobs")
     preset(sonar)  # an unknown one ends here, before it has claimed the folder
     wanted = list(study or STUDIES)
     runs = {name: load(name) for name in wanted}

@@ -151,7 +151,7 @@ LONG = {
 @pytest.mark.engine
 @pytest.mark.parametrize("line", LONG.values(), ids=LONG)
 def test_every_long_command_ends_soon_after_ctrl_c(tmp_path, line, rng):
-    n = 200_000
+    n = 800_000
     make_log(
         rng.uniform(0.2, 2.9, n),
         ring=sm.AMIGOBOT,
