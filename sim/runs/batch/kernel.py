@@ -48,7 +48,7 @@ class Recorded(NamedTuple):
     bounces: NDArray[np.int16]
 
 
-@njit(nogil=True, error_model="numpy")
+@njit(error_model="numpy")
 def run(
     table, start, steps, time_s, mounts, half_rad, limits, critical_cos, reflectivity, roughness_m,
     reading, noise, slip, errors, kind, numbers, points, looks, rng, recorded,
