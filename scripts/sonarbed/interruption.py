@@ -10,6 +10,9 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
+from types import FrameType
+
+from sonarmap.interrupts import may_raise_in
 
 __all__ = ["INTERRUPTED", "STOPPED", "Interruption"]
 
@@ -18,7 +21,7 @@ INTERRUPTED = 130
 STOPPED = "interrupted; what was finished is kept"
 # What takes longer to clear up is left, seconds.
 _PATIENCE_S = 2.3
-_AGAIN_S = 0.05
+_AGAIN_S = 0.01
 
 
 class Interruption:
@@ -62,9 +65,11 @@ class Interruption:
         """Wait until the person is told, if Ctrl-C was heard; return whether it was."""
         return self.is_heard and self._told.wait(1.0)
 
-    def _interrupt(self, number: int, frame: object) -> None:
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
         self._tell()
-        raise KeyboardInterrupt
+        if may_raise_in(frame):
+            raise KeyboardInterrupt
+        self._again()
 
     def _listen(self, signals: list[signal.Signals]) -> None:
         """Hear signals also while compiled code runs, which no handler of Python's interrupts."""
@@ -79,12 +84,16 @@ class Interruption:
 
         threading.Thread(target=listen, daemon=True).start()
 
-    def _again(self, swallowed: sys.UnraisableHookArgs) -> None:
-        """Interrupt again what was interrupted where Python must go on, as in a callback of C."""
-        if isinstance(swallowed.exc_value, KeyboardInterrupt):
-            again = threading.Timer(_AGAIN_S, signal.raise_signal, (signal.SIGTERM,))
-            again.daemon = True
-            again.start()
+    def _swallowed(self, what: sys.UnraisableHookArgs) -> None:
+        # Python must go on in a callback of C, and would tell that it does.
+        if isinstance(what.exc_value, KeyboardInterrupt):
+            self._again()
+
+    def _again(self) -> None:
+        """Interrupt once more, a moment later."""
+        again = threading.Timer(_AGAIN_S, signal.raise_signal, (signal.SIGTERM,))
+        again.daemon = True
+        again.start()
 
     def _tell(self) -> None:
         """Tell the person, once, and begin to count."""
@@ -96,7 +105,7 @@ class Interruption:
             os.write(2, f"sonarbed: {STOPPED}\n".encode())
         self._told.set()
         if self.ends_process:
-            sys.unraisablehook = self._again
+            sys.unraisablehook = self._swallowed
             timer = threading.Timer(_PATIENCE_S, os._exit, (INTERRUPTED,))
             timer.daemon = True
             timer.start()

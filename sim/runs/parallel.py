@@ -15,9 +15,11 @@ from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
 from pathlib import Path
+from types import FrameType
 from typing import TypeVar
 
 from sonarmap.errors import InputError, whole
+from sonarmap.interrupts import may_raise_in
 
 __all__ = [
     "checked_jobs",
@@ -169,10 +171,12 @@ def _begin(stop: Event) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _stopped(number: int, frame: object) -> None:
+def _stopped(number: int, frame: FrameType | None) -> None:
     # A callback of C cannot be left by it, and would tell.
     sys.unraisablehook = lambda unraisable: None
-    raise _Stopped
+    if may_raise_in(frame):
+        raise _Stopped
+    # Else the parent ends this process the hard way, in a moment.
 
 
 def _end_with_parent() -> None:

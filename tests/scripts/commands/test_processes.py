@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -14,6 +15,9 @@ from support import make_log
 
 import sonarmap as sm
 from sim.runs.parallel import deaf_children
+from sonarbed.interruption import Interruption
+from sonarmap.interrupts import may_raise_in
+from sonarmap.kernels.jit import njit
 
 SONARBED = [sys.executable, "-m", "sonarbed"]
 INTERRUPTED = "sonarbed: interrupted; what was finished is kept\n"
@@ -176,6 +180,38 @@ def test_every_long_command_ends_soon_after_ctrl_c(tmp_path, line, rng):
     assert time.monotonic() - interrupted_s[0] < 4
     new = {*tmp_path.rglob("*")} - before
     assert not [path for path in new if path.is_file() and path.name.startswith(".")]
+
+
+def test_ctrl_c_waits_where_compiled_code_calls_python():
+    # Numba crashes when an error comes there.
+    class Pair(NamedTuple):
+        one: int
+        other: int
+
+    waits = []
+
+    def profile(frame, event, argument):
+        if not may_raise_in(frame):
+            waits.append(frame)
+
+    @njit()
+    def pair(one):
+        return Pair(one, one)
+
+    pair(1)
+    sys.setprofile(profile)
+    try:
+        pair(2)
+    finally:
+        sys.setprofile(None)
+    assert waits
+    assert may_raise_in(sys._getframe())
+    interruption, again = Interruption(ends_process=False), []
+    interruption._again = lambda: again.append(True)
+    interruption._interrupt(signal.SIGINT, waits[0])
+    assert again == [True]
+    with pytest.raises(KeyboardInterrupt):
+        interruption._interrupt(signal.SIGINT, sys._getframe())
 
 
 def test_ctrl_c_in_an_exec_ends_with_our_code(tmp_path):
