@@ -52,9 +52,10 @@ class Interruption:
         signals = [signal.SIGTERM]
         if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             signals.append(signal.SIGINT)
-        before = {number: signal.signal(number, self._interrupt) for number in signals}
         if self.ends_process:
+            sys.unraisablehook = self._swallowed
             self._listen(signals)
+        before = {number: signal.signal(number, self._interrupt) for number in signals}
         try:
             yield
         finally:
@@ -88,6 +89,8 @@ class Interruption:
         # Python must go on in a callback of C, and would tell that it does.
         if isinstance(what.exc_value, KeyboardInterrupt):
             self._again()
+        elif not self.is_heard:
+            sys.__unraisablehook__(what)
 
     def _again(self) -> None:
         """Interrupt once more, a moment later."""
@@ -105,7 +108,6 @@ class Interruption:
             os.write(2, f"sonarbed: {STOPPED}\n".encode())
         self._told.set()
         if self.ends_process:
-            sys.unraisablehook = self._swallowed
             timer = threading.Timer(_PATIENCE_S, os._exit, (INTERRUPTED,))
             timer.daemon = True
             timer.start()

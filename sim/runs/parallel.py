@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequen
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 from multiprocessing.synchronize import Event
 from pathlib import Path
@@ -22,8 +23,10 @@ from sonarmap.errors import InputError, whole
 from sonarmap.interrupts import may_raise_in
 
 __all__ = [
+    "Stopped",
     "checked_jobs",
     "deaf_children",
+    "end_when_told",
     "interrupts_held_back",
     "run_all",
     "stop_if_cancelled",
@@ -38,6 +41,8 @@ _ENDING_S = 2.0
 # Of those that are not wanted any more each may finish what it does for so long, and then has so
 # long to leave nothing half-written: together less than a person waits after Ctrl-C.
 _FINISHING_S, _UNWINDING_S = 1.5, 0.5
+# Where a signal comes at a bad moment, it comes again so much later.
+_AGAIN_S = 0.01
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -87,11 +92,7 @@ def run_all(
     # Fresh processes: a forked one would share the threads of engines and compilers.
     context = multiprocessing.get_context("spawn")
     alone = checked_jobs(jobs) == 1 or len(tasks) <= 1 or multiprocessing.current_process().daemon
-    try:
-        # Made before any process: the first of its kind starts a helper that unblocks signals.
-        stop = None if alone else context.Event()
-    except (ImportError, OSError):
-        stop = None  # a system without shared semaphores
+    stop = None if alone else _event(context)
     if stop is None:
         for index, task in enumerate(tasks):
             results[index] = function(task)
@@ -126,6 +127,15 @@ def run_all(
                 results[index] = future.result()
 
 
+def _event(context: BaseContext) -> Event | None:
+    """Return an event for processes to share; None on a system without shared semaphores."""
+    try:
+        with interrupts_held_back():
+            return context.Event()
+    except (ImportError, OSError):
+        return None
+
+
 @contextmanager
 def _readable_main() -> Iterator[None]:
     """Let processes that begin in the block not look for a script that came by a pipe."""
@@ -157,7 +167,7 @@ def _why_broken(begun: Iterable[BaseProcess]) -> str:
 def stop_if_cancelled() -> None:
     """End this process's task if the parent does not want it any more; long tasks call it."""
     if _stop is not None and _stop.is_set():
-        raise _Stopped
+        raise Stopped
 
 
 # Set in a worker process: the parent's signal to stop.
@@ -167,6 +177,14 @@ _stop: Event | None = None
 def _begin(stop: Event) -> None:
     global _stop
     _stop = stop
+    end_when_told()
+
+
+def end_when_told() -> None:
+    """Let this process, which another has begun, end by `Stopped` on SIGTERM, and with the other.
+
+    It unwinds, so that what is being written is put away, and says nothing: the other one tells.
+    """
     signal.signal(signal.SIGTERM, _stopped)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
@@ -175,19 +193,22 @@ def _stopped(number: int, frame: FrameType | None) -> None:
     # A callback of C cannot be left by it, and would tell.
     sys.unraisablehook = lambda unraisable: None
     if may_raise_in(frame):
-        raise _Stopped
-    # Else the parent ends this process the hard way, in a moment.
+        raise Stopped
+    again = threading.Timer(_AGAIN_S, signal.raise_signal, (number,))
+    again.daemon = True
+    again.start()
 
 
 def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
+        # One that is killed cannot say goodbye.
         parent.join()
         os._exit(1)
 
 
-class _Stopped(BaseException):
-    """The parent does not want this task any more."""
+class Stopped(BaseException):
+    """The process that has begun this one does not want its task any more."""
 
 
 def _end(processes: Iterable[BaseProcess]) -> None:
@@ -210,26 +231,47 @@ def interrupts_held_back() -> Iterator[None]:
     """Let processes that begin in the block ignore Ctrl-C, from their first line on.
 
     A terminal sends it to all processes; it is for the parent, which asks the others to stop.
-    They inherit the parent's mask of signals. For the parent it waits for the end of the block:
-    it must not meet a process half begun, nor be lost, as with `signal.SIG_IGN`.
+    They inherit the parent's mask of signals. For the parent it waits for the end of the block,
+    as does SIGTERM: it must not meet a process half begun, nor be lost, as with `signal.SIG_IGN`.
     """
     can_mask = hasattr(signal, "pthread_sigmask")
-    is_main = threading.current_thread() is threading.main_thread()
     held_back: list[int] = []
-    if is_main:
-        # The mask alone is not enough: threads of numerical libraries have their own.
-        handler = signal.signal(signal.SIGINT, lambda number, frame: held_back.append(number))
+    before: dict[signal.Signals, signal._HANDLER] = {}
+    if threading.current_thread() is threading.main_thread():
+        # The mask alone is not enough: threads of numerical libraries have their own. A handler
+        # that is not Python's could not be put back.
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(number) is not None:
+                before[number] = signal.signal(number, lambda heard, _: held_back.append(heard))
     if can_mask:
+        _start_tracker()
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         if can_mask:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if is_main:
-            signal.signal(signal.SIGINT, handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     if held_back:
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(held_back[0])
+
+
+def _start_tracker() -> None:
+    """Start Python's tracker of semaphores, if it does not run: to start it unblocks signals.
+
+    It frees what a process leaves that had to end at once, and need not tell the person of it.
+    """
+    try:
+        from multiprocessing import resource_tracker
+    except ImportError:  # a system without shared semaphores
+        return
+    quiet = "ignore::UserWarning:multiprocessing.resource_tracker"
+    sys.warnoptions.append(quiet)  # what a process of Python hands on to those that it begins
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove(quiet)
 
 
 deaf_children = interrupts_held_back

@@ -5,9 +5,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
-import signal
-import sys
-import threading
+import time
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -18,7 +16,7 @@ from typing import Protocol
 
 from sim.runs.jobs.job import Job, Outcome, attempt
 from sim.runs.jobs.store import Store
-from sim.runs.parallel import interrupts_held_back
+from sim.runs.parallel import Stopped, end_when_told, interrupts_held_back
 from sonarmap.errors import InputError, whole
 
 __all__ = ["Processes", "ThisProcess", "Workers"]
@@ -34,8 +32,9 @@ _THREADS = (
 )
 # How often a job is begun before it is held to be the one that kills its worker.
 _TRIES = 2
-# How long a worker that is told to end may take to put its files away, seconds.
-_PATIENCE_S = 5.0
+# How long a worker that has nothing to do may take to end, and all that are told to end may take
+# together to put their files away: less than a person waits after Ctrl-C, seconds.
+_LEAVING_S, _UNWINDING_S = 5.0, 1.5
 
 
 class Workers(Protocol):
@@ -171,15 +170,16 @@ class _Team:
             with contextlib.suppress(OSError):
                 worker.line.send(None)
         for worker in self.idle:
-            worker.process.join(_PATIENCE_S)
+            worker.process.join(_LEAVING_S)
 
     def end(self) -> None:
         """End whoever is still there: what they were writing is put away."""
         workers = [worker for worker in self.busy + self.idle if worker.process.is_alive()]
         for worker in workers:
             worker.process.terminate()
+        until_s = time.monotonic() + _UNWINDING_S
         for worker in workers:
-            worker.process.join(_PATIENCE_S)
+            worker.process.join(max(until_s - time.monotonic(), 0))
             if worker.process.is_alive():
                 worker.process.kill()
                 worker.process.join()
@@ -214,19 +214,9 @@ def _one_thread_each() -> Iterator[None]:
 
 def _work(line: Connection, store: Store) -> None:
     """Do the jobs that come by the line, until None comes: the main function of a worker."""
-    # A parent that is killed cannot say goodbye.
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    # An exit that unwinds: what is being written is removed.
-    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     # Whoever gave the jobs may go away, in the midst of a word.
-    with contextlib.suppress(EOFError, OSError):
+    with contextlib.suppress(Stopped, EOFError, OSError):
+        end_when_told()
         line.send(None)
         while (job := line.recv()) is not None:
             line.send(attempt(job, store))
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
