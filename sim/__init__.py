@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from sim.engines.protocol import Engine, RayCaster
 from sim.robot.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
 from sim.robot.odometry import OdometryModel
+from sim.runs.batch.drives import BatchDrive, simulate_batch
 from sim.runs.many import simulate_many
 from sim.runs.packets import StatusPackets
 from sim.runs.simulation import simulate
@@ -28,6 +29,7 @@ Ears = SonarArray
 __all__ = [
     "Air",
     "AllAtOnce",
+    "BatchDrive",
     "Beacon",
     "ConeSonar",
     "ConstantSpeeds",
@@ -52,6 +54,7 @@ __all__ = [
     "WallFollower",
     "Waypoints",
     "simulate",
+    "simulate_batch",
     "simulate_many",
 ]
 
