@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +16,7 @@ from sim.sonar.firing import Firing
 from sonarmap import SonarRing
 from worlds import World
 
-__all__ = ["Echoes", "Sonar", "SonarArray"]
+__all__ = ["Echoes", "Sonar", "SonarArray", "joined"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,18 @@ class Echoes:
     bounces: NDArray[np.int16]
     source: NDArray[np.int16]
     level_db: NDArray[np.float64]
+
+
+def joined(echoes: Sequence[Echoes]) -> Echoes:
+    """Return what was measured in several firings as one, in their order."""
+    if len(echoes) == 1:
+        return echoes[0]
+    return Echoes(
+        **{
+            field.name: np.concatenate([getattr(each, field.name) for each in echoes])
+            for field in fields(Echoes)
+        }
+    )
 
 
 class SonarArray(Protocol):
