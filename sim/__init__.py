@@ -11,6 +11,7 @@ from sim.robot.odometry import OdometryModel
 from sim.runs.batch.drives import BatchDrive, simulate_batch
 from sim.runs.many import simulate_many
 from sim.runs.packets import StatusPackets
+from sim.runs.replay import Replay, replay
 from sim.runs.simulation import simulate
 from sim.sonar.air import Air
 from sim.sonar.cone.sonar import ConeSonar
@@ -47,12 +48,14 @@ __all__ = [
     "RandomWander",
     "RayCaster",
     "Receiver",
+    "Replay",
     "Sensed",
     "Sonar",
     "SonarArray",
     "StatusPackets",
     "WallFollower",
     "Waypoints",
+    "replay",
     "simulate",
     "simulate_batch",
     "simulate_many",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Protocol
 
 import numpy as np
@@ -16,7 +16,7 @@ from sim.sonar.firing import Firing
 from sonarmap import SonarRing
 from worlds import World
 
-__all__ = ["Echoes", "Sonar", "SonarArray", "joined"]
+__all__ = ["Echoes", "Sonar", "SonarArray", "from_sonars", "joined"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +47,15 @@ def joined(echoes: Sequence[Echoes]) -> Echoes:
             for field in fields(Echoes)
         }
     )
+
+
+def from_sonars(echoes: Echoes, sonars: Sequence[int]) -> Echoes:
+    """Return the echoes of some sonars of a ring with sources that are numbers of the ring.
+
+    What `Sonar.listen` returns counts the transducers that it was given from 0.
+    """
+    own = np.where(echoes.source >= 0, np.asarray(sonars)[echoes.source], echoes.source)
+    return replace(echoes, source=own.astype(np.int16))
 
 
 class SonarArray(Protocol):

@@ -13,7 +13,7 @@ from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.firing import AllAtOnce
-from sim.sonar.protocol import Echoes, Sonar, SonarArray, joined
+from sim.sonar.protocol import Echoes, Sonar, SonarArray, from_sonars, joined
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import positive
 from worlds import World
@@ -92,13 +92,11 @@ class _SimultaneousArray:
         axis_rad: NDArray[np.float64],
     ) -> None:
         """Let some sonars fire at once, see `SonarArray`."""
-        fired = np.asarray(sonars, np.intp)
+        fired = list(sonars)
         echoes = self._sonar.listen(
             self._rays, self._world, sensor_xy_m[fired], axis_rad[fired], self._rng
         )
-        # `listen` counts what it was given from 0; here they are sonars of the ring.
-        own = np.where(echoes.source >= 0, fired[echoes.source], echoes.source)
-        self._detected.append(replace(echoes, source=own.astype(np.int16)))
+        self._detected.append(from_sonars(echoes, sonars))
 
     def detect(self) -> Echoes:
         """Return what was detected since the last call, see `SonarArray`."""
