@@ -39,8 +39,8 @@ def score(
     log: Annotated[
         Path | None,
         typer.Option(
-            help="The log: only cells that its sonars could have observed are scored, from the true "
-            "poses of a simulated log, by odometry of a real one."
+            help="The log: only cells that its sonars could have observed are scored, from the "
+            "true poses of a simulated log, by odometry of a real one."
         ),
     ] = None,
     align: Annotated[
