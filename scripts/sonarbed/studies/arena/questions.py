@@ -9,13 +9,16 @@ import sonarmap as sm
 from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.section import Item
 from sonarbed.studies.arena.entries import FILTERED_METHODS, NO_FILTER, Entry
-from sonarbed.studies.arena.table import Interval, Table
+from sonarbed.studies.arena.standing import REPEATS, standing_robot
+from sonarbed.studies.arena.table import Table
 
 __all__ = ["answers"]
 
 _PAIR = ("against", "skill gained", "decided")
 # More than half of the readings wrong: the mirror corridor.
 _MOST_WRONG = 0.5
+# A cell that moves less has not moved.
+_STILL = 0.02
 
 
 def answers(context: StudyContext, table: Table) -> Iterator[Item]:
@@ -29,6 +32,7 @@ def answers(context: StudyContext, table: Table) -> Iterator[Item]:
     if "nav2-range" in table.entries:
         yield _nav2(table)
     yield _readings(context, table)
+    yield _repeats(context, table)
 
 
 def _sheet(table: Table) -> Item:
@@ -123,14 +127,39 @@ def _readings(context: StudyContext, table: Table) -> Item:
     )
 
 
+def _repeats(context: StudyContext, table: Table) -> Item:
+    told = [standing_robot(name) for name in sm.methods() if name in table.entries]
+    names = list(told[0].remedied) if told else []
+    rows = [
+        (each.method, f"{each.moved:.3f}", *(_moved(each.remedied[name]) for name in names))
+        for each in sorted(told, key=lambda each: -each.moved)
+    ]
+    still = [each for each in told if each.moved <= _STILL]
+    return Item(
+        "How much do repeats cost?",
+        f"a robot stands and reads one range {REPEATS} times: how far does a cell's P move beyond "
+        "what one reading says?",
+        f"{len(told) - len(still)} of {len(told)} methods take repeats for news; of "
+        f"{', '.join(each.method for each in still) or 'none'} no cell moves by more than "
+        f"{_STILL:g}.",
+        (),
+        (
+            context.table(
+                "standing", ("method", "moved", *names), rows, "Largest change of P, by method"
+            ),
+        )
+        if rows
+        else (),
+    )
+
+
+def _moved(value: float | None) -> str:
+    return "takes none" if value is None else f"{value:.3f}"
+
+
 def _percent(value: float) -> str:
     return "none" if math.isnan(value) else f"{value:.1%}"
 
 
 def _number(value: float) -> str:
     return "none" if math.isnan(value) else f"{value:.3f}"
-
-
-def paired_text(gained: Interval) -> str:
-    """Return a paired difference for people."""
-    return gained.text() + ("" if gained.sign else ", not decided")

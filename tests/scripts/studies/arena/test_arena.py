@@ -18,6 +18,7 @@ from sonarbed.studies.arena.jobs import DriveJob, Room, seen_of
 from sonarbed.studies.arena.plan import FIRST_SEED, ArenaPlan, full, quick
 from sonarbed.studies.arena.report import write_arena_report
 from sonarbed.studies.arena.running import FAILURES, ROWS, run_arena
+from sonarbed.studies.arena.standing import standing_robot
 from sonarbed.studies.arena.table import Table
 from sonarmap import InputError
 
@@ -269,3 +270,21 @@ def test_a_drive_is_found_again(done):
     store = open_store(done[0])
     drive = DriveJob(Room("l-shape"), "thesis", 0, 25, 0.05)
     assert store.has(drive.outputs[0])
+
+
+@pytest.mark.parametrize(
+    ("method", "moved", "remedied"),
+    [
+        # Log-odds of one reading, added a thousand times: from 0.5 nearly to the end of the scale.
+        ("bayes-parameterized", (0.4, 0.5), 0.0),
+        ("himm", (0.5, 1.0), 0.0),
+        ("thrun-forward", (0.0, 1e-6), None),
+        ("konolige-style", (0.0, 1e-6), 0.0),
+        ("sheet", (0.0, 0.0), None),
+    ],
+)
+def test_a_standing_robot(method, moved, remedied):
+    told = standing_robot(method)
+    low, high = moved
+    assert low <= told.moved <= high
+    assert list(told.remedied.values()) == [remedied, remedied]
