@@ -44,6 +44,15 @@ def arena(
         str | None,
         typer.Option(metavar="ADDRESS", help="Scheduler of a Dask cluster in place of --jobs."),
     ] = None,
+    tune: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.json",
+            help="Tune every method and filter on generated rooms into this file, and end.",
+        ),
+    ] = None,
+    budget: Annotated[int, typer.Option(help="With --tune: evaluations of each.")] = 40,
+    seed: Annotated[int, typer.Option(help="With --tune: seed of the search.")] = 0,
     timeout: Annotated[float, typer.Option(help="Seconds that a run may take.")] = 120.0,
     as_json: Json = False,
 ) -> None:
@@ -59,6 +68,9 @@ def arena(
       sonarbed arena --quick --out arena \
         --method my_module:MyMapper --against sheet
     """
+    if tune is not None:
+        _tune(tune, budget=budget, seed=seed, jobs=jobs)
+        return
     from sim.runs.jobs import DaskCluster, Processes, ThisProcess, Workers
     from sonarbed.console import print_json, progress
     from sonarbed.studies.arena import entries as entering
@@ -98,6 +110,33 @@ def arena(
         print_json(told)
         return
     _print(table, result, told, pages)
+
+
+def _tune(out: Path, *, budget: int, seed: int, jobs: int) -> None:
+    from sonarbed.console import print_table, progress, say
+    from sonarbed.options import check_writable
+    from sonarbed.studies.arena.tuning import tune_all
+
+    check_writable(out, ".json")
+    with progress() as bars:
+        task = bars.add_task("tuning", total=None)
+        found = tune_all(
+            out,
+            budget=budget,
+            seed=seed,
+            jobs=jobs,
+            on_progress=lambda label, done, total: bars.update(task, completed=done, total=total),
+        )
+    for kind in ("methods", "filters"):
+        print_table(
+            f"Skill on the training rooms, {kind}",
+            ["name", "published", "tuned"],
+            [
+                [name, f"{told['published_skill']:.3f}", f"{told['skill']:.3f}"]
+                for name, told in found[kind].items()
+            ],
+        )
+    say(f"Written: {out}")
 
 
 def _told(table: Table, result: ArenaResult, mine: list[str], rivals: list[str]) -> dict[str, Any]:

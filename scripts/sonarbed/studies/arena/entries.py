@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 import sonarmap as sm
 from sonarmap.errors import InputError, did_you_mean
+from sonarmap.tuned import tuned_names
 
 __all__ = ["FILTERED_METHODS", "NO_FILTER", "Entry", "all_entries", "entries_of"]
 
@@ -16,6 +18,7 @@ FILTERED_METHODS = ("bayes-parameterized", "konolige-style", "arc-competition")
 whose echoes compete. Named before anything was run."""
 # What an oracle is called; it alone sees the truth.
 _ORACLE = "oracle-"
+Variant = Literal["published", "tuned", "logistic"]
 
 
 @dataclass(frozen=True)
@@ -28,15 +31,27 @@ class Entry:
         See `sonarmap.method`.
     filter : str
         See `sonarmap.filter`; `NO_FILTER` for none.
+    variant : {"published", "tuned", "logistic"}
+        With the paper's parameters; with tuned ones, of the filter if there is one and else of the
+        method; or with these and a logistic after the method, see `sonarmap.method`.
     """
 
     method: str
     filter: str = NO_FILTER
+    variant: Variant = "published"
 
     @property
     def label(self) -> str:
         """What tables call it: "hsr + bayes-standard", or the method alone."""
-        return self.method if self.filter == NO_FILTER else f"{self.filter} + {self.method}"
+        parts = self.method if self.filter == NO_FILTER else f"{self.filter} + {self.method}"
+        return parts if self.variant == "published" else f"{parts} ({self.variant})"
+
+    def made(self) -> tuple[sm.ReadingFilter, sm.MappingMethod]:
+        """Return its filter and its method."""
+        is_filter = self.filter != NO_FILTER
+        filter_ = sm.filter(self.filter, tuned=is_filter and self.variant == "tuned")
+        tuned = {"published": False, "tuned": True, "logistic": "logistic"}[self.variant]
+        return filter_, sm.method(self.method, tuned=False if is_filter else tuned)  # type: ignore[arg-type]  # one of three
 
     @property
     def is_oracle(self) -> bool:
@@ -45,21 +60,27 @@ class Entry:
 
     def checked(self) -> Entry:
         """Return it, or raise `InputError` if it has no such filter or method."""
-        sm.method(self.method)
-        sm.filter(self.filter)
+        self.made()
         return self
 
 
 def all_entries() -> list[Entry]:
     """Return every method without a filter, and every filter with the methods named for it."""
-    methods = [Entry(name) for name in sm.methods()]
+    variants: tuple[Variant, ...] = ("published", "tuned", "logistic")
+    methods = [
+        Entry(name, variant=variant)
+        for name in sm.methods()
+        for variant in variants
+        if variant == "published" or name in tuned_names("method")
+    ]
     filtered = [
         Entry(method, filter_)
         for filter_ in sm.filters()
         if filter_ != NO_FILTER
         for method in FILTERED_METHODS
     ]
-    return methods + filtered
+    tuned = [Entry(FILTERED_METHODS[-1], name, "tuned") for name in tuned_names("filter")]
+    return methods + filtered + tuned
 
 
 def entries_of(methods: Iterable[str], filters: Iterable[str]) -> list[Entry]:

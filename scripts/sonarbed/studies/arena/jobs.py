@@ -30,7 +30,7 @@ from sim.runs.jobs.job import DIGITS
 from sonarbed.studies.arena.entries import Entry
 from sonarmap import InputError, SonarLog
 
-__all__ = ["DriveJob", "Room", "RunJob", "Seen", "seen_of"]
+__all__ = ["DriveJob", "Room", "RunJob", "Seen", "grid_of", "seen_of"]
 
 # The world's own bounds would give its walls away: the grid reaches so much farther, and some of
 # this more, drawn, on each side.
@@ -165,6 +165,8 @@ class RunJob:
             "method": self.entry.method,
             "filter": self.entry.filter,
             "parameters": _parameters(self.entry),
+            # Two that come out alike are two all the same.
+            **({} if self.entry.variant == "published" else {"variant": self.entry.variant}),
         }
 
     @cached_property
@@ -175,7 +177,7 @@ class RunJob:
     def run(self, store: Store) -> int:
         """Map, judge, and write the row."""
         seen = _drive_there(store, self.drive)
-        filter_, method = sm.filter(self.entry.filter), sm.method(self.entry.method)
+        filter_, method = self.entry.made()
         given = seen.log if self.entry.is_oracle else seen.blind
         before = _fingerprint(given)
         begin = time.perf_counter()
@@ -200,6 +202,7 @@ class RunJob:
             "entry": self.entry.label,
             "method": self.entry.method,
             "filter": self.entry.filter,
+            "variant": self.entry.variant,
             "seconds": seconds,
             "cells": score.cells,
             "walls": score.truth_occupied,
@@ -248,7 +251,7 @@ def _drive_there(store: Store, drive: DriveJob) -> Seen:
         path.write_bytes(data)
         log = sm.read_log(path)
     world = drive.room.world()
-    grid = _grid(world, drive)
+    grid = grid_of(world, drive)
     truth = worlds.truth(world, grid)
     known = log.require_truth("the arena")
     wrong = ~np.isin(known.cause, [cause.value for cause in sm.Cause if cause.is_right])
@@ -261,7 +264,7 @@ def seen_of(drive: DriveJob, folder: str | Path) -> Seen:
     return _drive_there(open_store(folder), drive)
 
 
-def _grid(world: worlds.World, drive: DriveJob) -> sm.GridSpec:
+def grid_of(world: worlds.World, drive: DriveJob) -> sm.GridSpec:
     """Return a grid whose edges do not tell where the walls are."""
     rng = np.random.default_rng([drive.seed, _GRID_STREAM, *drive.room.name.encode()])
     left, bottom, right, top = _PADDING_M + rng.uniform(0, _MORE_M, 4)
@@ -307,7 +310,7 @@ def _fingerprint(log: SonarLog) -> str:
 
 def _parameters(entry: Entry) -> str:
     """Return the parameters as text: another default is another run."""
-    text = repr((sm.filter(entry.filter), sm.method(entry.method)))
+    text = repr(entry.made())
     return _ADDRESS.sub("", text)
 
 
