@@ -43,6 +43,7 @@ FILTERS: Registry[Any] = Registry(
     "sonarbed.filters",
     {
         "conflict-evaluation-style": "sonarmap.filters.conflict_evaluation:ConflictEvaluationStyle",
+        "consistency": "sonarmap.filters.consistency:Consistency",
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
         "gamma-variance": "sonarmap.filters.gamma_variance:GammaVariance",
         "hsr": "sonarmap.filters.hsr:Hsr",

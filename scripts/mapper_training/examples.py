@@ -16,7 +16,7 @@ import worlds
 from sonarmap.files import atomic_path, make_folder
 from sonarmap.learned.channels import channels
 
-__all__ = ["PADDING_M", "CELL_M", "Example", "make_examples", "readings_of"]
+__all__ = ["PADDING_M", "CELL_M", "Example", "logs_of", "make_examples", "readings_of"]
 
 CELL_M = 0.05
 # Beyond the room on every side, so that the border of a grid does not give its walls away.
@@ -63,7 +63,7 @@ class Example:
 def make_examples(data_sets: list[Path], folder: Path, *, seed: int, workers: int) -> list[Path]:
     """Write an example for each log of data sets; return their files, what is there is kept."""
     make_folder(folder)
-    files = [file for data_set in data_sets for file in _logs_of(data_set)]
+    files = [file for data_set in data_sets for file in logs_of(data_set)]
     one = partial(_make, folder, seed)
     with ProcessPoolExecutor(workers) as pool:
         return list(pool.map(one, files, range(len(files)), chunksize=4))
@@ -82,7 +82,8 @@ def readings_of(file: Path, number: int, seed: int) -> tuple[sm.SonarLog, worlds
     return log, world, split
 
 
-def _logs_of(data_set: Path) -> Iterator[Path]:
+def logs_of(data_set: Path) -> Iterator[Path]:
+    """Return the logs of a data set, in the order in which they are numbered."""
     yield from sorted((data_set / "logs").rglob("*.parquet"))
 
 

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from scipy.stats import rankdata
 from torch import Tensor, nn
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
 import sonarmap as sm
-from sonarmap.learned.readings import CANDIDATES, FEATURES, features_of
+from sonarmap.learned.readings import CANDIDATES, FEATURES, features_of, judged_by
 from sonarmap.methods.learned import Learned
 
-__all__ = ["LOST_SHARES", "Judged", "fit_judge", "judged"]
+__all__ = ["LOST_SHARES", "Judged", "fit_judge", "judged", "reading_figures"]
 
 NEAR_M = 0.1
 _CAUSES = len(sm.Cause)
@@ -98,13 +99,29 @@ def fit_judge(
     for number, layer in enumerate(each for each in net if isinstance(each, nn.Linear)):
         arrays[f"kernel{number}"] = layer.weight.detach().numpy().T.copy()
         arrays[f"bias{number}"] = layer.bias.detach().numpy().copy()
-    with torch.no_grad():
-        held = torch.from_numpy((threshold_from.features - mean) * scale)
-        doubt = torch.softmax(net(held)[:, :_CAUSES], 1)[:, 3:].sum(1).numpy()
+    causes, _ = judged_by(arrays, threshold_from.features)
+    doubt = causes[:, sm.Cause.BOUNCE :].sum(axis=1)
     right = doubt[threshold_from.cause <= sm.Cause.OUT_OF_RANGE]
     arrays["lost_share"] = LOST_SHARES
     arrays["threshold"] = np.quantile(right, 1 - LOST_SHARES).astype(np.float32)
     return arrays
+
+
+def reading_figures(judge: dict[str, NDArray[np.float32]], held: Judged) -> dict[str, float]:
+    """Return how well a judge does: ``roc_auc``, ``caught`` and ``mended``, see the card."""
+    causes, right = judged_by(judge, held.features)
+    doubt = causes[:, sm.Cause.BOUNCE :].sum(axis=1)
+    wrong = held.cause > sm.Cause.OUT_OF_RANGE
+    ranks = rankdata(doubt)
+    below = wrong.sum() * (wrong.sum() + 1) / 2
+    threshold = np.quantile(doubt[~wrong], 0.99)
+    caught = wrong & (doubt > threshold)
+    near = held.near[np.arange(len(held.cause)), right.argmax(axis=1)]
+    return {
+        "roc_auc": float((ranks[wrong].sum() - below) / (wrong.sum() * (~wrong).sum())),
+        "caught": float(caught.sum() / wrong.sum()),
+        "mended": float(near[caught].mean()),
+    }
 
 
 def _loss(out: Tensor, cause: Tensor, near: Tensor) -> Tensor:

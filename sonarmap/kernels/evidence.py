@@ -9,7 +9,7 @@ import numpy as np
 
 from sonarmap.kernels.jit import njit
 
-__all__ = ["SUMS", "arc_shares", "sum_evidence"]
+__all__ = ["SUMS", "arc_shares", "with_claims", "sum_evidence"]
 
 (
     TIMID,
@@ -27,8 +27,10 @@ __all__ = ["SUMS", "arc_shares", "sum_evidence"]
     HIT_FAR,
     HIT_STEADY,
     SHADOW,
-) = range(15)
-SUMS = 15
+    NONE_FAR,
+    HIT_TRAVEL,
+) = range(17)
+SUMS = 17
 """Sums that `sum_evidence` keeps of each cell."""
 
 
@@ -44,6 +46,7 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     vote,
     bin_of,
     arc_weight,
+    travel_m,
     limits,
     sums,
     passed,
@@ -57,7 +60,7 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     first, cell, range_m, share
         Cells of each reading, see `sonarmap.kernels.listed_cones.ListedCones`.
     reading_m : ndarray, shape (n,)
-        The reading; of no echo, how far it is believed, metres.
+        The reading; of no echo, the maximum range, metres.
     echo, steady : ndarray of bool, shape (n,)
         Which readings have an echo, and which agree with one of the same sonar before or after.
     vote : ndarray, shape (n,)
@@ -66,17 +69,21 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
         Direction of the axis, one of 16.
     arc_weight : ndarray, shape (n,)
         One over the number of cells on the arc.
+    travel_m : ndarray, shape (n,)
+        Way of the robot up to each reading, metres.
     limits : tuple of float
         Half of the thickness of an arc, depth of the shadow behind one, bound of a short reading,
-        bearings / half-angle of the core and of the axis, maximum range; metres.
+        bearings / half-angle of the core and of the axis, up to where no echo is near, maximum
+        range; metres.
     sums : ndarray of float32, shape (cells of the grid, SUMS)
         Added to.
     passed, hit : ndarray of uint16, shape (cells of the grid,)
         Directions from which a cell was passed through, or lay on an arc, as bits; added to.
-    nearest : ndarray of float32, shape (cells of the grid, 2)
-        Least range at which a cell was passed through, and lay on an arc; lowered.
+    nearest : ndarray of float32, shape (cells of the grid, 3)
+        Least range at which a cell was passed through, and lay on an arc, and least way at which
+        it was passed through; lowered.
     """
-    tolerance, depth, short, core, middle, farthest = limits
+    tolerance, depth, short, core, middle, near, farthest = limits
     for i in range(reading_m.size):
         r, v, a = reading_m[i], vote[i], arc_weight[i]
         bit = np.uint16(1 << bin_of[i])
@@ -85,7 +92,9 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
             at, rho, s = cell[k], range_m[k], share[k]
             beam = 1.0 - s * s
             if not echo[i]:
-                if rho < r:
+                if rho >= near:
+                    sums[at, NONE_FAR] += v * beam
+                else:
                     sums[at, NONE_AXIS if s <= middle else NONE_EDGE] += v
                     sums[at, TIMID] -= 0.1 * v * beam * (1.0 - rho / farthest)
             elif rho < r - tolerance:
@@ -99,6 +108,7 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 sums[at, TIMID] -= 0.3 * v * beam * (1.0 - rho / farthest)
                 passed[at] |= bit
                 nearest[at, 0] = min(nearest[at, 0], rho)
+                nearest[at, 2] = min(nearest[at, 2], travel_m[i])
             elif rho <= r + tolerance:
                 w = v * (1.0 - abs(rho - r) / tolerance)
                 sums[at, HIT_AXIS if s <= middle else HIT_EDGE] += w * a
@@ -109,11 +119,30 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                     sums[at, HIT_FAR] += w * a
                 if steady[i]:
                     sums[at, HIT_STEADY] += w * a
+                sums[at, HIT_TRAVEL] += w * a * travel_m[i]
                 sums[at, TIMID] += 6.0 * w * a * beam
                 hit[at] |= bit
                 nearest[at, 1] = min(nearest[at, 1], rho)
             elif rho <= r + depth:
                 sums[at, SHADOW] += v * beam
+
+
+@njit(error_model="numpy")
+def with_claims(first, cell, claim):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
+    """Return the lists without the cells that are nothing to their reading."""
+    kept = 0
+    for k in range(cell.size):
+        kept += claim[k] != 0.0
+    new_first = np.zeros(first.size, np.int64)
+    new_cell, new_claim = np.empty(kept, np.int32), np.empty(kept, np.float32)
+    n = 0
+    for i in range(first.size - 1):
+        for k in range(first[i], first[i + 1]):
+            if claim[k] != 0.0:
+                new_cell[n], new_claim[n] = cell[k], claim[k]
+                n += 1
+        new_first[i + 1] = n
+    return new_first, new_cell, new_claim
 
 
 @njit(error_model="numpy")

@@ -38,6 +38,7 @@ CHANNELS: dict[str, str] = {
     "pass_steady": "passes of echoes that the next reading confirms: seldom chance",
     "none_axis": "no echo, inner cone, up to 3 m: free, or a mirror that sent the sound away",
     "none_edge": "no echo, outer cone",
+    "none_far": "no echo, beyond 3 m: in view, and hardly more",
     "hit_axis": "arcs of echoes, inner half, each by one over its length: it has one cause",
     "hit_edge": "arcs, outer half",
     "hit_core": "arcs on the very axis, by count: what a data point is",
@@ -49,6 +50,8 @@ CHANNELS: dict[str, str] = {
     "directions_hit": "distinct directions, of 16, with the cell on an arc",
     "nearest_pass": "nearest range of a pass: near ones are sharp and sure",
     "nearest_hit": "nearest range of an arc",
+    "first_pass": "how little of its way the robot had made at the first pass: odometry drifts",
+    "hit_travel": "mean way at the arcs: of two images of a wall the earlier is the better placed",
     "first_share": "shares of echoes after one round of arcs competing for cells",
     "last_share": "shares after the last round",
     "largest_share": "largest share of a single echo",
@@ -75,7 +78,7 @@ _SAME_M, _SAME_RAD = 0.001, 0.001
 # A square of this side keeps so many readings of each direction.
 _SQUARE_M, _KEPT = 0.25, 6
 _STEADY_M = 0.10
-_NEAR_M, _PATH_M = 5.0, 0.5
+_NEAR_M, _PATH_M, _TRAVELLED_M = 5.0, 0.5, 10.0
 _BATCH = 500
 
 
@@ -89,23 +92,26 @@ def channels(log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
     grid : GridSpec
         Where the cells are. Their side is meant to be 5 cm, for which the numbers are chosen.
     """
-    from sonarmap.kernels.evidence import SUMS, sum_evidence
+    from sonarmap.kernels.evidence import SUMS, sum_evidence, with_claims
 
     log = telling(log)
     size, n = grid.rows * grid.cols, len(log)
     sums = np.zeros((size, SUMS), np.float32)
     passed, hit = np.zeros(size, np.uint16), np.zeros(size, np.uint16)
-    nearest = np.full((size, 2), _NEAR_M, np.float32)
+    nearest = np.full((size, 3), _NEAR_M, np.float32)
+    nearest[:, 2] = np.inf
     ring = log.ring
     echo = log.range_m <= ring.range_max_m
-    reading_m = np.where(echo, log.range_m, min(ring.range_max_m, _NO_ECHO_M))
+    near_m = min(ring.range_max_m, _NO_ECHO_M)
+    reading_m = np.where(echo, log.range_m, ring.range_max_m)
     steady, vote = _steady(log, echo), _votes(log)
     axis_rad = log.axis_rad
     bin_of = np.floor(axis_rad % (2 * math.pi) * (_DIRECTIONS / (2 * math.pi))).astype(np.int64)
     bin_of %= _DIRECTIONS
     arc_cells = 2 * ring.half_angle_rad * reading_m / grid.resolution_m
     arc_weight = 1 / np.maximum(arc_cells, 1)
-    limits = (_TOLERANCE_M, _DEPTH_M, _SHORT_M, _CORE, _MIDDLE, ring.range_max_m)
+    limits = (_TOLERANCE_M, _DEPTH_M, _SHORT_M, _CORE, _MIDDLE, near_m, ring.range_max_m)
+    travel_m = _travel(log)
     first, cells, claimed = [np.zeros(1, np.int64)], [np.empty(0, np.int32)], []
     for begin in range(0, n, _BATCH):
         rows = slice(begin, begin + _BATCH)
@@ -121,15 +127,19 @@ def channels(log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
             vote[rows],
             bin_of[rows],
             arc_weight[rows],
+            travel_m[rows],
             limits,
             sums,
             passed,
             hit,
             nearest,
         )
-        claim = _claims(cones, reading_m[rows], echo[rows], ring.range_max_m)
-        first.append(first[-1][-1] + cones.first[1:])
-        cells.append(cones.cell)
+        # Of no echo only the near part takes part: farther off it says too little.
+        believed_m = np.where(echo[rows], reading_m[rows], near_m)
+        claim = _claims(cones, believed_m, echo[rows], ring.range_max_m)
+        of, cell, claim = with_claims(cones.first, cones.cell, claim)
+        first.append(first[-1][-1] + of[1:])
+        cells.append(cell)
         claimed.append(claim)
     listed = (
         np.concatenate(first),
@@ -156,7 +166,7 @@ def telling(log: SonarLog) -> SonarLog:
             log.sonar,
             np.round(log.x_m / _SAME_M),
             np.round(log.y_m / _SAME_M),
-            np.round(log.heading_rad / _SAME_RAD),
+            np.round(log.heading_rad % (2 * math.pi) / _SAME_RAD),
             np.round(reading_m / _SAME_M),
         ]
     )
@@ -197,6 +207,12 @@ def _votes(log: SonarLog) -> NDArray[np.float64]:
     from sonarmap.methods.arc_competition import shared_votes
 
     return shared_votes(log, _TRAVEL_M, _TURN_RAD)
+
+
+def _travel(log: SonarLog) -> NDArray[np.float64]:
+    """Return the way of the robot up to each reading, metres."""
+    steps_m = np.hypot(np.diff(log.x_m), np.diff(log.y_m))
+    return np.concatenate([[0.0], np.cumsum(steps_m)])
 
 
 def _steady(log: SonarLog, echo: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -285,7 +301,7 @@ def _stacked(
     put("timid", np.tanh(sums[:, k.TIMID] / 4))
     for name in ("pass_axis", "pass_edge", "pass_core", "pass_short", "pass_steady"):
         put(name, np.log1p(sums[:, getattr(k, name.upper())]) / 3)
-    for name in ("none_axis", "none_edge"):
+    for name in ("none_axis", "none_edge", "none_far"):
         put(name, np.log1p(sums[:, getattr(k, name.upper())]) / 3)
     for name in ("hit_axis", "hit_edge", "hit_far", "hit_steady"):
         put(name, np.log1p(8 * sums[:, getattr(k, name.upper())]) / 2)
@@ -295,6 +311,10 @@ def _stacked(
     put("directions_hit", np.bitwise_count(hit) / np.float32(_DIRECTIONS))
     put("nearest_pass", 1 - nearest[:, 0] / np.float32(_NEAR_M))
     put("nearest_hit", 1 - nearest[:, 1] / np.float32(_NEAR_M))
+    put("first_pass", np.exp(-nearest[:, 2] / _TRAVELLED_M))
+    hits = sums[:, k.HIT_AXIS] + sums[:, k.HIT_EDGE]
+    mean_m = sums[:, k.HIT_TRAVEL] / np.maximum(hits, 1e-9)
+    put("hit_travel", np.where(hits > 0, np.exp(-mean_m / _TRAVELLED_M), 0))
     put("first_share", np.log1p(4 * first_share) / 2)
     put("last_share", np.log1p(4 * last_share) / 2)
     put("largest_share", shares[:, 3])

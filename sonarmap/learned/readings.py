@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sonarmap.log import SonarLog
+from sonarmap.log import Cause, SonarLog
 from sonarmap.occupancy import OccupancyMap
 
-__all__ = ["CANDIDATES", "FEATURES", "Judgement", "candidates_of", "features_of", "judge"]
+__all__ = ["CANDIDATES", "FEATURES", "Judgement", "candidates_of", "features_of", "judge", "judged_by"]
 
 # Bearings / half-angle of the rays: symmetrical, so that a mirrored log is judged alike.
 _SHARES = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9)
@@ -28,6 +28,7 @@ _LEVELS = (0.85, 0.7, 0.5, 0.3, 0.15)
 # Scales at which differences of ranges are squeezed, metres.
 _FINE_M, _COARSE_M = 0.1, 0.6
 _FAR_M, _WIDE_RAD = 5.0, 0.3
+_CAUSES = len(Cause)
 
 CANDIDATES = (
     *(f"cone_{level:g}" for level in _LEVELS),
@@ -80,7 +81,7 @@ class Judgement:
     @property
     def doubt(self) -> NDArray[np.float64]:
         """Probability that a reading is wrong."""
-        wrong: NDArray[np.float64] = self.causes[:, 3:].sum(axis=1).clip(0, 1)
+        wrong: NDArray[np.float64] = self.causes[:, Cause.BOUNCE :].sum(axis=1).clip(0, 1)
         return wrong
 
 
@@ -163,6 +164,18 @@ def judge(
         The learned map.
     """
     features, candidate_m = features_of(log, m)
+    causes, right = judged_by(network, features)
+    best = right.argmax(axis=1)
+    rows = np.arange(len(log))
+    predicted_m = candidate_m[rows, best]
+    predicted_m = np.where(predicted_m >= log.ring.range_max_m, math.inf, predicted_m)
+    return Judgement(causes, predicted_m, right[rows, best])
+
+
+def judged_by(
+    network: Mapping[str, NDArray[np.float32]], features: NDArray[np.float32]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the probability of each `Cause`, and that each candidate is within 10 cm of truth."""
     x = (features - network["mean"]) * network["scale"]
     last = sum(name.startswith("kernel") for name in network) - 1
     for number in range(last + 1):
@@ -170,14 +183,9 @@ def judge(
         if number < last:
             x = np.maximum(x, 0)
     logit = x.astype(float)
-    causes = np.exp(logit[:, :6] - logit[:, :6].max(axis=1, keepdims=True))
+    causes = np.exp(logit[:, :_CAUSES] - logit[:, :_CAUSES].max(axis=1, keepdims=True))
     causes /= causes.sum(axis=1, keepdims=True)
-    right = 0.5 * (1 + np.tanh(logit[:, 6:] / 2))
-    best = right.argmax(axis=1)
-    rows = np.arange(len(log))
-    predicted_m = candidate_m[rows, best]
-    predicted_m = np.where(predicted_m >= log.ring.range_max_m, math.inf, predicted_m)
-    return Judgement(causes, predicted_m, right[rows, best])
+    return causes, 0.5 * (1 + np.tanh(logit[:, _CAUSES:] / 2))
 
 
 def _neighbours(

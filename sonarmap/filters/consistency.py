@@ -1,0 +1,126 @@
+"""Consistency with the learned map: how likely each reading is wrong, why, and what it should be.
+
+The whole log is mapped by the learned mapper. Rays through that map, over the cone of each reading,
+tell how likely the sound could get as far as it read, and where it should have turned; a small
+network, trained like the mapper, makes of this the probability of each cause, and of each of some
+predicted ranges that it is right (`sonarmap.learned.readings`).
+
+A wrong reading leaves marks in the map too, but only its own: many others, from other places, speak
+against it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sonarmap.errors import InputError, one_of, within
+from sonarmap.filters.protocol import Filtered
+from sonarmap.log import SonarLog
+from sonarmap.parameters import Real, Space
+
+__all__ = ["Consistency", "ConsistencyReport"]
+
+Mode = Literal["doubt", "reject", "mend"]
+
+
+@dataclass(frozen=True, eq=False)
+class ConsistencyReport:
+    """What the filter did.
+
+    Parameters
+    ----------
+    threshold : float
+        Readings of at least this doubt were rejected or mended.
+    confidence : ndarray, shape (n,)
+        Probability that the predicted range is within 10 cm of the truth; NaN where none is.
+    """
+
+    threshold: float
+    confidence: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """Doubts, rejects or mends readings by the learned map of their log.
+
+    Parameters
+    ----------
+    mode : {"doubt", "reject", "mend"}
+        What becomes of a reading whose doubt is at least the threshold: nothing, it is rejected,
+        or it gets the predicted range. All readings have their doubt in any case.
+    lost_share : float
+        Share of the right readings that one is willing to lose, in [0.0003, 0.2]: decides the
+        threshold, as it was on rooms that the filter was not fitted to.
+    weights : str, optional
+        File of other weights, see `sonarmap.methods.learned.Learned`.
+
+    Notes
+    -----
+    Stale, rejected and too close readings are not judged: they keep their doubt, and have no
+    prediction.
+    """
+
+    name: ClassVar[str] = "consistency"
+    source: ClassVar[str] = (
+        "Ours: survival along the cone in the learned map, judged by a small trained network."
+    )
+
+    mode: Mode = "reject"
+    lost_share: float = 0.01
+    weights: str | None = None
+
+    def __post_init__(self) -> None:
+        one_of("mode", self.mode, get_args(Mode))
+        within("lost_share", self.lost_share, 0.0003, 0.2)
+        if self.weights is not None and not isinstance(self.weights, str):
+            raise InputError(f"weights must be the path of a file, got {self.weights!r}")
+
+    def apply(self, log: SonarLog) -> Filtered:
+        """Return the log with doubts, and with readings rejected or mended as the mode says.
+
+        What is mended is marked in `Filtered.changed`. The report is a `ConsistencyReport`.
+
+        Raises
+        ------
+        InputError
+            If the weights cannot be read or have no judge of readings.
+        """
+        from sonarmap.learned.readings import judge
+        from sonarmap.learned.weights import shipped
+        from sonarmap.mapping import grid_over
+        from sonarmap.methods.learned import Learned
+
+        weights = shipped(self.weights)
+        if "threshold" not in weights.reading:
+            raise InputError(f"{self.weights}: the weights judge no readings")
+        threshold = float(
+            np.interp(self.lost_share, weights.reading["lost_share"], weights.reading["threshold"])
+        )
+        n = len(log)
+        judged = log.usable & (log.range_m >= 0)
+        doubt, predicted_m = log.doubt.copy(), np.full(n, np.nan)
+        confidence, cause = np.full(n, np.nan), np.full(n, -1, np.int8)
+        if judged.any():
+            of = log.select(judged)
+            said = judge(weights.reading, of, Learned(self.weights).map(of, grid_over(of)))
+            doubt[judged], predicted_m[judged] = said.doubt, said.predicted_m
+            confidence[judged] = said.confidence
+            cause[judged] = said.causes.argmax(axis=1)
+        wrong = judged & (doubt >= threshold)
+        range_m, rejected = log.range_m, log.rejected
+        if self.mode == "mend":
+            range_m = np.where(wrong, predicted_m, range_m)
+        elif self.mode == "reject":
+            rejected = rejected | wrong
+        after = log.replace(range_m=range_m, rejected=rejected, doubt=doubt)
+        report = ConsistencyReport(threshold, confidence)
+        return Filtered(after, range_m != log.range_m, predicted_m, cause, report)
+
+    @classmethod
+    def space(cls) -> Space:
+        """Return what may be searched."""
+        return {"lost_share": Real(0.0003, 0.2, log=True)}

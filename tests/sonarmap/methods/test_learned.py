@@ -1,0 +1,192 @@
+"""The learned mapper: what must hold whatever it has learned, and a little of that it has."""
+
+import functools
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from support import ONE, make_log, random_log
+
+import sonarmap as sm
+import worlds
+from sim import simulate
+from sim.sonar.presets import PHYSICAL
+from sonarmap.errors import InputError
+
+
+@functools.cache
+def drive(room="thesis-exp1", scans=150):
+    """Return a log of a shipped room, its truth and which cells could be seen."""
+    sonar = PHYSICAL.replace(search="images")
+    log = simulate(worlds.load(room), scans=scans, seed=3, sonar=sonar, engine="segments")
+    truth = worlds.truth(worlds.load(room))
+    return log, truth, truth.observable(log)
+
+
+def learned(log, grid):
+    return sm.method("learned").map(log, grid)
+
+
+def turned(log, quarters):
+    cos, sin = round(math.cos(quarters * math.pi / 2)), round(math.sin(quarters * math.pi / 2))
+    return log.replace(
+        x_m=cos * log.x_m - sin * log.y_m,
+        y_m=sin * log.x_m + cos * log.y_m,
+        heading_rad=log.heading_rad + quarters * math.pi / 2,
+    )
+
+
+def square_over(truth):
+    """Return a square grid about the origin over a room, so that it turns into itself."""
+    half = math.ceil(max(map(abs, truth.grid.extent_m)) / 0.05)
+    return sm.GridSpec(0.05, (-half * 0.05, -half * 0.05), (2 * half, 2 * half))
+
+
+def test_it_knows_a_room_that_it_has_never_seen():
+    log, truth, observable = drive()
+    score = sm.score_map(learned(log, truth.grid), truth, observable=observable)
+    assert score.skill > 0.5
+    assert score.f1(1) > 0.8
+    assert score.calibration_error < 0.03
+    rival = sm.method("bayes-parameterized").map(log, truth.grid)
+    assert sm.score_map(rival, truth, observable=observable).skill < 0
+
+
+def test_what_was_observed_is_about_what_could_be_seen():
+    log, truth, observable = drive()
+    observed = learned(log, truth.grid).observed
+    known = truth.state != worlds.HIDDEN
+    assert (observed == observable)[known].mean() > 0.9
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_quarter_turn_turns_the_map(quarters):
+    log, truth, _ = drive()
+    grid = square_over(truth)
+    p = np.rot90(learned(log, grid).probability, -quarters)
+    assert np.abs(learned(turned(log, quarters), grid).probability - p).mean() < 0.02
+
+
+def test_a_mirror_mirrors_the_map():
+    log, truth, _ = drive()
+    grid = square_over(truth)
+    ring = log.ring.to_dict()
+    for name in ("y_m", "heading_rad"):
+        ring[name] = [-value for value in ring[name]]
+    mirrored = log.replace(
+        ring=sm.SonarRing.from_dict(ring), y_m=-log.y_m, heading_rad=-log.heading_rad
+    )
+    p = learned(log, grid).probability[::-1]
+    assert np.abs(learned(mirrored, grid).probability - p).mean() < 0.02
+
+
+@pytest.mark.parametrize("place", ["where it stands", "at the end"])
+def test_a_thousand_repeats_of_one_reading_move_no_cell(place):
+    log, truth, _ = drive()
+    row = 500
+    rows = np.concatenate([np.arange(len(log)), np.full(1000, row)])
+    rows = np.sort(rows) if place == "where it stands" else rows
+    columns = {name: getattr(log, name)[rows] for name in sm.SonarLog.DTYPES}
+    columns |= {"scan": np.arange(rows.size), "time_s": np.arange(rows.size)}
+    more = learned(sm.SonarLog(log.ring, **columns), truth.grid).probability
+    assert np.abs(more - learned(log, truth.grid).probability).max() <= 0.02
+
+
+def test_noisy_repeats_of_a_standing_robot_hardly_count(rng):
+    log, truth, _ = drive()
+    rows = np.sort(np.concatenate([np.arange(len(log)), np.full(1000, 500)]))
+    columns = {name: getattr(log, name)[rows] for name in sm.SonarLog.DTYPES}
+    columns |= {"scan": np.arange(rows.size), "time_s": np.arange(rows.size)}
+    columns["range_m"] = columns["range_m"] + np.where(rows == 500, rng.normal(0, 0.003, 1), 0)
+    columns["range_m"][rows == 500] += rng.normal(0, 0.003, 1001)
+    more = learned(sm.SonarLog(log.ring, **columns), truth.grid).probability
+    assert np.abs(more - learned(log, truth.grid).probability).mean() <= 0.005
+
+
+def test_an_empty_log_has_the_share_of_walls_and_nothing_observed():
+    m = learned(make_log([1.0]).select(slice(0)), sm.GridSpec(0.05, (0, 0), (20, 30)))
+    assert np.unique(m.probability).size == 1
+    assert 0.02 < m.probability[0, 0] < 0.3
+    assert not m.observed.any()
+
+
+@pytest.mark.parametrize("range_m", [[1.0], [np.inf], [np.inf] * 20])
+def test_a_few_readings_say_a_little(range_m):
+    grid = sm.GridSpec(0.05, (-2, -2), (80, 80))
+    m = learned(make_log(range_m, x_m=-1.0, ring=ONE), grid)
+    assert ((m.probability > 0) & (m.probability < 1)).all()
+    # Behind the robot, where no cone was, the share of walls is that of a common room.
+    assert 0.005 < m.probability[5:15, 5:12].mean() < 0.4
+    assert not m.observed[:10, :10].any()
+
+
+@pytest.mark.parametrize("sonars", [1, 3, 16, 24])
+@pytest.mark.parametrize("resolution_m", [0.025, 0.05, 0.1])
+def test_any_ring_maps_at_any_resolution(sonars, resolution_m, rng):
+    heading = np.linspace(-math.pi, math.pi, sonars, endpoint=False)
+    ring = sm.SonarRing(
+        "any", 0.1 * np.cos(heading), 0.1 * np.sin(heading), heading, 0.2, 0.1, 4.0
+    )
+    n = max(4 * sonars, 20)
+    log = random_log(rng, n, ring=ring, reach_m=1.5, spread_m=0.2)
+    shape = (round(3 / resolution_m), round(3.2 / resolution_m))
+    m = learned(log, sm.GridSpec(resolution_m, (-1.5, -1.6), shape))
+    assert m.probability.shape == shape
+    assert np.isfinite(m.probability).all()
+    assert m.observed.any()
+
+
+@pytest.mark.parametrize("resolution_m", [0.025, 0.1])
+def test_other_resolutions_are_calibrated_too(resolution_m):
+    log, _, _ = drive()
+    truth = worlds.truth(worlds.load("thesis-exp1"), resolution_m=resolution_m)
+    m = learned(log, truth.grid)
+    score = sm.score_map(m, truth, observable=truth.observable(log))
+    assert score.skill > 0.3
+    assert score.calibration_error < 0.04
+
+
+def test_the_memory_of_a_long_log_is_that_of_its_area(rng):
+    def most(n):
+        log = random_log(rng, n, ring=sm.AMIGOBOT, reach_m=2.0, spread_m=0.3)
+        tracemalloc.start()
+        learned(log, sm.GridSpec(0.05, (-2, -2), (80, 80)))
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return peak / 1e6
+
+    most(1000)  # compiled
+    # Ten times the readings on the same floor: what grows is their own columns.
+    assert most(100_000) < 1.5 * most(10_000) + 50
+
+
+def test_parts_of_a_grid_are_as_the_whole(rng):
+    log, truth, _ = drive()
+    whole = learned(log, truth.grid).probability
+    x_m, y_m = truth.grid.origin_xy_m
+    part = learned(log, sm.GridSpec(0.05, (x_m + 0.8, y_m + 0.4), (40, 48))).probability
+    # All but near the border, where the whole saw more.
+    assert np.abs(part - whole[8:48, 16:64])[8:-8, 8:-8].mean() < 0.02
+
+
+def test_thresholds_are_those_of_the_weights_unless_given():
+    log, truth, _ = drive()
+    m = learned(log, truth.grid)
+    assert 0.1 <= m.occupied_from < 0.65
+    other = sm.method("learned", occupied_from=0.5, free_up_to=0.2).map(log, truth.grid)
+    assert (other.occupied_from, other.free_up_to) == (0.5, 0.2)
+    np.testing.assert_array_equal(other.probability, m.probability)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"occupied_from": 1.5}, r"occupied_from must be within \[0, 1\], got 1.5"),
+        ({"free_up_to": -0.1}, r"free_up_to must be within \[0, 1\], got -0.1"),
+        ({"weights": 3}, r"weights must be the path of a file, got 3"),
+    ],
+)
+def test_bad_parameters_are_refused(parameters, message):
+    with pytest.raises(InputError, match=message):
+        sm.method("learned", **parameters)
