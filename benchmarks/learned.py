@@ -1,4 +1,4 @@
-"""The learned mapper and its filter in rooms that they were never trained on, beside what is wanted.
+"""The learned mapper and its filter in rooms that were never trained on, beside what is wanted.
 
 Two drives of 400 scans in each of the eight rooms that ship, physical sonar, poses by odometry.
 """

@@ -6,8 +6,8 @@
 Rooms are generated and driven in, logs become channels, a network is fitted to them, calibrated on
 rooms that were held out, and a second, small one learns to judge readings by the first one's maps.
 In the folder are then `mapper.npz` and `mapper.md`, the weights and their card, which ship in
-`sonarmap/learned`. Stopped at any moment, the same command goes on where it was. The same seed makes
-the same weights on one machine. A GPU is used if the training library finds one.
+`sonarmap/learned`. Stopped at any moment, the same command goes on where it was. The same seed
+makes the same weights on one machine. A GPU is used if the training library finds one.
 """
 
 from __future__ import annotations
@@ -63,9 +63,7 @@ def main(
         on_progress=_tell,
     )
     logs = [file for folder in data_sets for file in logs_of(folder)]
-    done = finish(
-        weights_of(net), held_out, logs, judge_drives=judge_drives, seed=seed, say=say
-    )
+    done = finish(weights_of(net), held_out, logs, judge_drives=judge_drives, seed=seed, say=say)
     file = out / "mapper.npz"
     done.weights.save(file)
     made = Made(

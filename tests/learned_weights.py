@@ -5,15 +5,15 @@ import numpy as np
 from sonarmap.learned.channels import CHANNELS
 from sonarmap.learned.weights import Calibration, Layer, Weights
 
+COUNT = len(CHANNELS)
 
-def small_weights(rng, widths=(4, 6, 8), channels=len(CHANNELS)):
+
+def small_weights(rng, widths=(4, 6, 8), channels=COUNT):
     """Return weights as training would make them, rounded as files have them."""
 
     def layer(before, after):
         kernel = rng.normal(0, 1 / np.sqrt(9 * before), (after, 9 * before)).astype(np.float16)
-        return Layer(
-            kernel.astype(np.float32), rng.normal(0, 0.1, (after, 1)).astype(np.float32)
-        )
+        return Layer(kernel.astype(np.float32), rng.normal(0, 0.1, (after, 1)).astype(np.float32))
 
     def pair(before, after):
         return layer(before, after), layer(after, after)

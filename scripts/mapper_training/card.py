@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,21 +19,21 @@ _CARD = """\
 Weights `mapper.npz`, SHA-256 of their content
 `{digest}`, {size_kb:.0f} kB.
 
-**What it is.** A U-Net of {parameters:,} numbers ({widths} channels) over {channels} maps of evidence
-of a whole log (`sonarmap/learned/channels.py` says what each is and why), which states for each cell
-of 5 cm the probability that it is occupied and whether it was observed; and a network of two small
-layers that judges each reading by what that map says along its cone.
+**What it is.** A U-Net of {parameters:,} numbers ({widths} channels) over {channels} maps of
+evidence of a whole log (`sonarmap/learned/channels.py` says what each is and why), which states for
+each cell of 5 cm the probability that it is occupied and whether it was observed; and a network of
+two small layers that judges each reading by what that map says along its cone.
 
 **How it was made.** `{command}`
 
-**Data.** {drives} drives of 150 to 500 scans, simulated, each in a generated room of its own, in ten
-styles ({train} for training, {held_out} held out as rooms). Drives, in groups: {groups}. Of all, a
-fifth was thinned to 25 to 60 % of its readings and a fifth has true poses. The eight rooms that ship
-were not seen. No real robot's log was used.
+**Data.** {drives} drives of 150 to 500 scans, simulated, each in a generated room of its own, in
+ten styles ({train} for training, {held_out} held out as rooms). Drives, in groups: {groups}. Of all,
+a fifth was thinned to 25 to 60 % of its readings and a fifth has true poses. The eight rooms that
+ship were not seen. No real robot's log was used.
 
 **Calibration** of P on held-out rooms, two numbers each: {calibrations}. A cell counts as
-occupied from P = {occupied_from:g} and as free up to {free_up_to:g}, chosen on training rooms. Cells
-that nothing looked at are walls in {share:.1%}.
+occupied from P = {occupied_from:g} and as free up to {free_up_to:g}, chosen on training rooms. Of
+the cells that nothing looked at {share:.1%} are walls.
 
 **On {figure_drives} held-out drives** that nothing was chosen on:
 
@@ -48,7 +47,7 @@ that nothing looked at are walls in {share:.1%}.
 | caught while 1 % of right ones are lost | {caught:.3f} |
 | of those caught, predicted to within 10 cm | {mended:.3f} |
 
-**Limits.** Trained on simulated sound in two dimensions: furniture has no height, people do not walk
+**Limits.** Trained on simulated sound in two dimensions: furniture has no height, nobody walks
 through. Walls are as blurred as the poses are wrong; nothing here corrects these. Mirrors that
 were never met head-on are missing or half a wall. Legs of chairs merge. Convex corners are rounded.
 Rings of wider cones than 25 degrees to a side, and ranges beyond 5.5 m, were not trained on; of no
@@ -88,7 +87,7 @@ def write_card(path: Path, weights_file: Path, weights: Weights, made: Made) -> 
     figures = made.figures
     text = _CARD.format(
         digest=weights.digest,
-        size_kb=os.path.getsize(weights_file) / 1000,
+        size_kb=weights_file.stat().st_size / 1000,
         parameters=made.parameters,
         widths=", ".join(map(str, weights.widths)),
         channels=len(CHANNELS),

@@ -16,7 +16,7 @@ import worlds
 from sonarmap.files import atomic_path, make_folder
 from sonarmap.learned.channels import channels
 
-__all__ = ["PADDING_M", "CELL_M", "Example", "logs_of", "make_examples", "readings_of"]
+__all__ = ["CELL_M", "PADDING_M", "Example", "logs_of", "make_examples", "readings_of"]
 
 CELL_M = 0.05
 # Beyond the room on every side, so that the border of a grid does not give its walls away.
@@ -96,16 +96,15 @@ def _make(folder: Path, seed: int, file: Path, number: int) -> Path:
     pad = PADDING_M
     grid = sm.GridSpec.covering(x_min - pad, y_min - pad, x_max + pad, y_max + pad, CELL_M)
     truth = worlds.truth(world, grid)
-    with atomic_path(target) as beside:
-        # Not compressed: read again and again. `open`, for numpy adds a suffix to a bare name.
-        with beside.open("wb") as stream:
-            np.savez(
-                stream,
-                channels=channels(log, grid).astype(np.float16),
-                state=truth.state,
-                observable=truth.observable(log),
-                room=world.name,
-                group=file.parents[3].name,
-                split=split,
-            )
+    with atomic_path(target) as beside, beside.open("wb") as stream:
+        # Not compressed: read again and again.
+        np.savez(
+            stream,
+            channels=channels(log, grid).astype(np.float16),
+            state=truth.state,
+            observable=truth.observable(log),
+            room=world.name,
+            group=file.parents[3].name,
+            split=split,
+        )
     return target

@@ -13,7 +13,7 @@ __all__ = ["weights_of"]
 
 
 def weights_of(net: UNet) -> Weights:
-    """Return the weights of a network, batch normalisation folded in, rounded as files have them."""
+    """Return the weights of a network, batch normalisation folded in, rounded as in files."""
     return Weights(
         tuple(net.widths),
         tuple(_pair(pair) for pair in net.down),

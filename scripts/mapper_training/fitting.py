@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from copy import deepcopy
@@ -186,8 +185,9 @@ class _Crops:
             rows, cols = example.state.shape
             at = int(rng.choice(self._seen[number]))
             jitter = rng.integers(-side // 3, side // 3, 2)
-            top, left = _start(at // cols + jitter[0], rows, side), _start(
-                at % cols + jitter[1], cols, side
+            top, left = (
+                _start(at // cols + jitter[0], rows, side),
+                _start(at % cols + jitter[1], cols, side),
             )
             here = (slice(max(top, 0), top + side), slice(max(left, 0), left + side))
             part = example.state[here]
@@ -250,9 +250,7 @@ def _average(mean: UNet, net: UNet, kept: float) -> None:
                 ours.copy_(theirs)
 
 
-def _keep(
-    path: Path, net: UNet, mean: UNet, optimiser: torch.optim.Optimizer, step: int
-) -> None:
+def _keep(path: Path, net: UNet, mean: UNet, optimiser: torch.optim.Optimizer, step: int) -> None:
     state = {
         "net": net.state_dict(),
         "mean": mean.state_dict(),

@@ -57,7 +57,7 @@ def walk(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     mean = np.zeros((n, rays))
     rows, cols = p.shape
     x0, y0, size = grid
-    steps = int(math.ceil(reach_m / step_m))
+    steps = math.ceil(reach_m / step_m)
     for i in range(n):
         for ray in range(rays):
             dx = math.cos(axis_rad[i] + bearing_rad[ray]) * step_m

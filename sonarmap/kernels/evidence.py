@@ -9,7 +9,7 @@ import numpy as np
 
 from sonarmap.kernels.jit import njit
 
-__all__ = ["SUMS", "arc_shares", "with_claims", "sum_evidence"]
+__all__ = ["SUMS", "arc_shares", "sum_evidence", "with_claims"]
 
 (
     TIMID,

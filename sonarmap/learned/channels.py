@@ -6,8 +6,8 @@ a quarter or mirrored, the channels turn and mirror with them; the two of a dire
 the cosine and the sine of twice the angle do (`TURNING`).
 
 Counts are of votes, not of readings: what a sonar reads while the robot hardly moves shares one
-vote, exact repeats count once, and a quarter of a square metre keeps so many readings of a direction
-and no more. Counts then enter as log(1 + count), which a hundredth vote hardly moves.
+vote, exact repeats count once, and a square of 25 cm keeps so many readings of a direction and no
+more. Counts then enter as log(1 + count), which a hundredth vote hardly moves.
 """
 
 from __future__ import annotations
@@ -227,9 +227,7 @@ def _steady(log: SonarLog, echo: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return steady
 
 
-def _cones(
-    log: SonarLog, rows: slice, grid: GridSpec, reach_m: NDArray[np.float64]
-) -> ListedCones:
+def _cones(log: SonarLog, rows: slice, grid: GridSpec, reach_m: NDArray[np.float64]) -> ListedCones:
     from sonarmap.kernels.listed_cones import ListedCones
 
     half_angle = log.ring.half_angle_rad
@@ -273,9 +271,7 @@ def _competition(
             first_share = hits
     shares = np.zeros((size, 4))
     place = (*grid.origin_xy_m, grid.resolution_m)
-    arc_shares(
-        p, first, cell, claim, vote, log.sensor_xy_m, _UNEXPLAINED, grid.cols, place, shares
-    )
+    arc_shares(p, first, cell, claim, vote, log.sensor_xy_m, _UNEXPLAINED, grid.cols, place, shares)
     return first_share, hits, misses, p, shares
 
 

@@ -2,8 +2,8 @@
 
 Maps lie in memory with a border of zeros, flat. A neighbour is then a fixed number of places away,
 and a 3 x 3 convolution is the product of its kernel with nine shifted copies. Made for a block of
-cells at a time, these stay in the processor's cache. What comes out on the border is not wanted, and
-is cleared.
+cells at a time, these stay in the processor's cache. What comes out on the border is not wanted,
+and is cleared.
 """
 
 from __future__ import annotations

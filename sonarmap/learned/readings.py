@@ -1,8 +1,8 @@
 """What a learned map says of each reading: features, and the small network that judges by them.
 
 Rays fan out over the cone of each reading through the map. Survival along a ray is the probability
-that nothing stands nearer on it; a reading far beyond where survival falls came by a detour, and one
-where survival is still high has the map against it.
+that nothing stands nearer on it; a reading far beyond where survival falls came by a detour, and
+one where survival is still high has the map against it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 from sonarmap.log import Cause, SonarLog
 from sonarmap.occupancy import OccupancyMap
 
-__all__ = ["CANDIDATES", "FEATURES", "Judgement", "candidates_of", "features_of", "judge", "judged_by"]
+__all__ = [
+    "CANDIDATES",
+    "FEATURES",
+    "Judgement",
+    "candidates_of",
+    "features_of",
+    "judge",
+    "judged_by",
+]
 
 # Bearings / half-angle of the rays: symmetrical, so that a mirrored log is judged alike.
 _SHARES = (-0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9)
@@ -36,8 +44,8 @@ CANDIDATES = (
     *(f"axis_{level:g}" for level in _LEVELS),
     "no_echo",
 )
-"""What a reading may have had to be: where survival falls below a level, on the nearest of all rays,
-of the inner ones, and on the axis; or no echo."""
+"""What a reading may have had to be: where survival falls below a level, on the nearest of all
+rays, of the inner ones, and on the axis; or no echo."""
 
 FEATURES = (
     *(
@@ -85,9 +93,7 @@ class Judgement:
         return wrong
 
 
-def features_of(
-    log: SonarLog, m: OccupancyMap
-) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+def features_of(log: SonarLog, m: OccupancyMap) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Return the features of each reading, shape (n, len(FEATURES)), and the `candidates_of` it."""
     from sonarmap.kernels.along import walk
 
@@ -149,9 +155,7 @@ def candidates_of(falls_m: NDArray[np.float64], farthest_m: float) -> NDArray[np
     )
 
 
-def judge(
-    network: Mapping[str, NDArray[np.float32]], log: SonarLog, m: OccupancyMap
-) -> Judgement:
+def judge(network: Mapping[str, NDArray[np.float32]], log: SonarLog, m: OccupancyMap) -> Judgement:
     """Return what the small network says of each reading, by a map of the log.
 
     Parameters

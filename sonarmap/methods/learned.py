@@ -1,8 +1,8 @@
 """The learned mapper: a small network over what a whole log says of each cell.
 
 `sonarmap.learned` has its parts: `channels`, the evidence; `network`, the forward pass; `weights`,
-the file; and beside it the model card, `mapper.md`: which data, which command, how good, and what it
-cannot do. Nothing but numpy and numba is needed to use it.
+the file; and beside it the model card, `mapper.md`: which data, which command, how good, and what
+it cannot do. Nothing but numpy and numba is needed to use it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,9 @@ class Learned:
     """
 
     name: ClassVar[str] = "learned"
-    source: ClassVar[str] = "Ours: a U-Net over the evidence of the whole log, trained in simulation."
+    source: ClassVar[str] = (
+        "Ours: a U-Net over the evidence of the whole log, trained in simulation."
+    )
 
     weights: str | None = None
     occupied_from: float | None = None

@@ -160,7 +160,12 @@ def driven(rng, scans):
     at = np.repeat(np.linspace(-0.813, 0.827, scans), 3)
     sonar = np.tile(np.arange(3), scans)
     log = make_log(
-        np.ones(3 * scans), ring=THREE, sonar=sonar, x_m=at, y_m=0.3 * at + 0.0137, heading_rad=0.3 + 0 * at
+        np.ones(3 * scans),
+        ring=THREE,
+        sonar=sonar,
+        x_m=at,
+        y_m=0.3 * at + 0.0137,
+        heading_rad=0.3 + 0 * at,
     )
     across = np.maximum(np.abs(np.cos(log.axis_rad)), np.abs(np.sin(log.axis_rad)))
     range_m = np.clip(1.2 / across - 0.3 * np.abs(at) + rng.normal(0, 0.02, at.size), 0.1, 2)
@@ -204,7 +209,8 @@ def test_exact_repeats_are_told_once_wherever_they_stand():
     log = driven(np.random.default_rng(3), 20)
     order = np.concatenate([np.arange(len(log)), np.full(500, 7)])
     columns = {
-        name: getattr(log, name)[order] for name in ("sonar", "x_m", "y_m", "heading_rad", "range_m")
+        name: getattr(log, name)[order]
+        for name in ("sonar", "x_m", "y_m", "heading_rad", "range_m")
     }
     n = order.size
     repeated = sm.SonarLog(log.ring, np.arange(n), time_s=np.arange(n), **columns)

@@ -60,7 +60,7 @@ def test_a_file_that_was_tampered_with_is_refused(file):
     with np.load(file) as data:
         bias = data["head_bias"] + np.float32(1e-3)
     changed(file, head_bias=bias)
-    with pytest.raises(InputError, match="w.npz: the weights are not what was written"):
+    with pytest.raises(InputError, match=r"w\.npz: the weights are not what was written"):
         Weights.load(file)
 
 
@@ -68,9 +68,7 @@ def test_a_file_that_was_tampered_with_is_refused(file):
 def test_weights_of_another_version_are_refused(file, name):
     with np.load(file) as data:
         about = json.loads(data["about"].tobytes())
-    arrays = changed(
-        file, about=np.frombuffer(json.dumps(about | {name: 99}).encode(), np.uint8)
-    )
+    arrays = changed(file, about=np.frombuffer(json.dumps(about | {name: 99}).encode(), np.uint8))
     del arrays["digest"]
     changed(file, digest=np.array(_digest_of(arrays)))
     with pytest.raises(InputError, match=rf"{name} must be 1, got 99: .* of another version"):
@@ -78,12 +76,12 @@ def test_weights_of_another_version_are_refused(file, name):
 
 
 def test_other_files_are_refused(tmp_path):
-    with pytest.raises(InputError, match="none.npz: no such file"):
+    with pytest.raises(InputError, match=r"none\.npz: no such file"):
         Weights.load(tmp_path / "none.npz")
     np.savez(tmp_path / "map.npz", log_odds=np.zeros(3))
-    with pytest.raises(InputError, match="map.npz: is no file of weights: it has no 'about'"):
+    with pytest.raises(InputError, match=r"map\.npz: is no file of weights: it has no 'about'"):
         Weights.load(tmp_path / "map.npz")
-    with pytest.raises(InputError, match="map.npz: is no file of weights"):
+    with pytest.raises(InputError, match=r"map\.npz: is no file of weights"):
         sm.method("learned", weights=str(tmp_path / "map.npz")).map(
             sm.SonarLog(sm.AMIGOBOT, [0], [0], [0], [0], [0], [0], [1.0]),
             sm.GridSpec(0.05, (0, 0), (4, 4)),

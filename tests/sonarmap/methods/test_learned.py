@@ -125,9 +125,7 @@ def test_a_few_readings_say_a_little(range_m):
 @pytest.mark.parametrize("resolution_m", [0.025, 0.05, 0.1])
 def test_any_ring_maps_at_any_resolution(sonars, resolution_m, rng):
     heading = np.linspace(-math.pi, math.pi, sonars, endpoint=False)
-    ring = sm.SonarRing(
-        "any", 0.1 * np.cos(heading), 0.1 * np.sin(heading), heading, 0.2, 0.1, 4.0
-    )
+    ring = sm.SonarRing("any", 0.1 * np.cos(heading), 0.1 * np.sin(heading), heading, 0.2, 0.1, 4.0)
     n = max(4 * sonars, 20)
     log = random_log(rng, n, ring=ring, reach_m=1.5, spread_m=0.2)
     shape = (round(3 / resolution_m), round(3.2 / resolution_m))

@@ -1,0 +1,162 @@
+"""The filter by the learned map: its walk against plain loops, and what must hold of it."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from support import ONE, make_log, random_log
+
+import sonarmap as sm
+import worlds
+from sim import simulate
+from sim.sonar.presets import PHYSICAL
+from sonarmap.errors import InputError
+from sonarmap.kernels.along import walk
+from sonarmap.learned.readings import CANDIDATES, FEATURES, candidates_of, features_of
+
+
+@functools.cache
+def drive():
+    """Return a log of a hallway of smooth walls, where many readings are wrong."""
+    sonar = PHYSICAL.replace(search="images")
+    world = worlds.load("thesis-exp1")
+    return simulate(world, scans=200, seed=4, sonar=sonar, engine="segments")
+
+
+def plain_walk(p, grid, place, angle, reading, reach, step, offsets, levels):
+    """One ray, step by step."""
+    survival, falls, mean = np.ones(len(offsets)), np.full(len(levels), reach), 0.0
+    s, noted = 1.0, np.zeros(len(offsets), bool)
+    for k in range(math.ceil(reach / step)):
+        r = (k + 0.5) * step
+        due = (reading + offsets <= r) & ~noted
+        survival[due], noted = s, noted | due
+        row, col = grid.cell_of(place[0] + r * math.cos(angle), place[1] + r * math.sin(angle))
+        if grid.contains(row, col):
+            s *= (1 - min(p[row, col], 0.999)) ** (step / grid.resolution_m)
+        mean += s * step
+        falls = np.where((s < levels) & (falls == reach), r, falls)
+        if s < 1e-3:
+            break
+    survival[~noted] = s
+    return survival, falls, mean
+
+
+def test_the_walk_is_that_of_plain_loops(rng):
+    grid = sm.GridSpec(0.1, (-1, -0.8), (17, 21))
+    p = rng.random(grid.shape) ** 4
+    places, axes = rng.uniform(-0.7, 0.7, (6, 2)), rng.uniform(-4, 4, 6)
+    bearings, readings = np.array([-0.2, 0.0, 0.3]), rng.uniform(0.2, 2, 6)
+    offsets, levels = np.array([-0.3, 0.0, 0.2]), np.array([0.8, 0.4])
+    survival, falls, mean = walk(
+        p, (-1, -0.8, 0.1), places, axes, bearings, readings, 2.0, 0.03, offsets, levels
+    )
+    for i in range(6):
+        for ray in range(3):
+            wanted = plain_walk(
+                p, grid, places[i], axes[i] + bearings[ray], readings[i], 2.0, 0.03, offsets, levels
+            )
+            np.testing.assert_allclose(survival[i, ray], wanted[0], atol=1e-9)
+            np.testing.assert_allclose(falls[i, ray], wanted[1])
+            assert mean[i, ray] == pytest.approx(wanted[2])
+
+
+def test_the_names_of_features_and_candidates_are_as_many_as_there_are(rng):
+    log = random_log(rng, 40)
+    log = log.select(log.usable & (log.range_m >= 0))
+    m = sm.method("learned").map(log, sm.grid_over(log))
+    features, candidate_m = features_of(log, m)
+    assert features.shape == (len(log), len(FEATURES))
+    assert candidate_m.shape == (len(log), len(CANDIDATES))
+    assert np.isfinite(features).all()
+    assert len(set(FEATURES)) == len(FEATURES)
+
+
+def test_candidates_are_the_nearest_of_all_of_the_inner_rays_and_the_axis():
+    falls = np.arange(35, dtype=float).reshape(1, 7, 5)[:, ::-1]
+    found = candidates_of(falls, 99.0)
+    assert found.tolist() == [[*range(5), *range(10, 15), *range(15, 20), 99]]
+
+
+def test_it_finds_most_wrong_readings_and_loses_few_right_ones():
+    log = drive()
+    score = sm.score_readings(log, sm.filter("consistency").apply(log))
+    assert score.wrong > 100
+    assert score.roc_auc > 0.98
+    assert score.caught_share > 0.7
+    assert score.lost_share < 0.05
+
+
+def test_what_it_mends_is_marked_and_mostly_right():
+    log = drive()
+    made = sm.filter("consistency", mode="mend").apply(log)
+    score = sm.score_readings(log, made)
+    assert score.mended / score.wrong_updated > 0.8
+    assert score.spoiled_share < 0.02
+    np.testing.assert_array_equal(made.changed, made.log.range_m != log.range_m)
+    assert made.changed.any()
+    np.testing.assert_array_equal(made.rejected, log.rejected)
+    changed = made.changed
+    np.testing.assert_array_equal(made.log.range_m[changed], made.predicted_range_m[changed])
+
+
+def test_doubt_alone_changes_and_rejects_nothing():
+    log = drive()
+    made = sm.filter("consistency", mode="doubt").apply(log)
+    np.testing.assert_array_equal(made.log.range_m, log.range_m)
+    np.testing.assert_array_equal(made.rejected, log.rejected)
+    assert ((made.doubt >= 0) & (made.doubt <= 1)).all()
+
+
+def test_the_doubt_is_about_as_often_right_as_it_says():
+    log = drive()
+    made = sm.filter("consistency", mode="doubt").apply(log)
+    wrong = log.truth.cause > sm.Cause.OUT_OF_RANGE
+    for low, high in ((0, 0.2), (0.8, 1)):
+        those = (made.doubt >= low) & (made.doubt <= high)
+        assert abs(wrong[those].mean() - made.doubt[those].mean()) < 0.1
+    # The likeliest cause is the cause.
+    assert (made.likely_cause == log.truth.cause).mean() > 0.8
+
+
+def test_the_threshold_falls_as_more_may_be_lost():
+    log = drive()
+    shares = [0.0003, 0.001, 0.01, 0.1]
+    rejected = [
+        sm.filter("consistency", lost_share=share).apply(log).rejected.sum() for share in shares
+    ]
+    assert rejected == sorted(rejected)
+    assert rejected[0] < rejected[-1]
+
+
+def test_the_log_is_left_as_it_was():
+    log = drive()
+    before = {name: getattr(log, name).tobytes() for name in sm.SonarLog.DTYPES}
+    for mode in ("doubt", "reject", "mend"):
+        sm.filter("consistency", mode=mode).apply(log)
+    assert before == {name: getattr(log, name).tobytes() for name in sm.SonarLog.DTYPES}
+
+
+@pytest.mark.parametrize("range_m", [[], [-np.inf], [np.inf], [1.0]])
+def test_the_least_logs_are_judged(range_m):
+    log = make_log(range_m or [1.0], ring=ONE)
+    log = log if range_m else log.select(slice(0))
+    made = sm.filter("consistency", mode="mend").apply(log)
+    assert len(made.log) == len(log)
+    too_close = log.range_m == -np.inf
+    assert np.isnan(made.doubt[too_close]).all()
+    assert (made.likely_cause[too_close] == -1).all()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"mode": "drop"}, "mode 'drop' is unknown"),
+        ({"lost_share": 0.5}, r"lost_share must be within \[0.0003, 0.2\], got 0.5"),
+        ({"weights": 3}, "weights must be the path of a file, got 3"),
+    ],
+)
+def test_bad_parameters_are_refused(parameters, message):
+    with pytest.raises(InputError, match=message):
+        sm.filter("consistency", **parameters)
