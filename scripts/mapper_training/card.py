@@ -27,7 +27,7 @@ two small layers that judges each reading by what that map says along its cone.
 **How it was made.** `{command}`
 
 **Data.** {drives} drives of 150 to 500 scans, simulated, each in a generated room of its own, in
-ten styles ({train} for training, {held_out} held out as rooms). Drives, in groups: {groups}. Of all,
+ten styles ({train} for training, {held_out} held out as rooms). In groups: {groups}. Of all,
 a fifth was thinned to 25 to 60 % of its readings and a fifth has true poses. The eight rooms that
 ship were not seen. No real robot's log was used.
 

@@ -12,17 +12,24 @@ against it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sonarmap.errors import InputError, one_of, within
 from sonarmap.filters.protocol import Filtered
+from sonarmap.grid import GridSpec
+from sonarmap.learned.growing import joined
 from sonarmap.log import SonarLog
+from sonarmap.occupancy import OccupancyMap
 from sonarmap.parameters import Real, Space
+from sonarmap.rings import SonarRing
 
-__all__ = ["Consistency", "ConsistencyReport"]
+if TYPE_CHECKING:
+    from sonarmap.methods.learned import Learned
+
+__all__ = ["CausalConsistency", "Consistency", "ConsistencyReport"]
 
 Mode = Literal["doubt", "reject", "mend"]
 
@@ -89,10 +96,22 @@ class Consistency:
         InputError
             If the weights cannot be read or have no judge of readings.
         """
+        from sonarmap.mapping import grid_over
+
+        judged = log.usable & (log.range_m >= 0)
+        if not judged.any():
+            return self.by_map(log, None)
+        of = log.select(judged)
+        return self.by_map(log, self._mapper.map(of, grid_over(of)))
+
+    def begin(self, ring: SonarRing, grid: GridSpec) -> CausalConsistency:
+        """Return a filter that takes readings one at a time, and judges by the map of the past."""
+        return CausalConsistency(self, ring, grid)
+
+    def by_map(self, log: SonarLog, m: OccupancyMap | None) -> Filtered:
+        """Return what `apply` does, by a learned map that is at hand; None if none is judged."""
         from sonarmap.learned.readings import judge
         from sonarmap.learned.weights import shipped
-        from sonarmap.mapping import grid_over
-        from sonarmap.methods.learned import Learned
 
         weights = shipped(self.weights)
         if "threshold" not in weights.reading:
@@ -104,9 +123,8 @@ class Consistency:
         judged = log.usable & (log.range_m >= 0)
         doubt, predicted_m = log.doubt.copy(), np.full(n, np.nan)
         confidence, cause = np.full(n, np.nan), np.full(n, -1, np.int8)
-        if judged.any():
-            of = log.select(judged)
-            said = judge(weights.reading, of, Learned(self.weights).map(of, grid_over(of)))
+        if m is not None and judged.any():
+            said = judge(weights.reading, log.select(judged), m)
             doubt[judged], predicted_m[judged] = said.doubt, said.predicted_m
             confidence[judged] = said.confidence
             cause[judged] = said.causes.argmax(axis=1)
@@ -120,7 +138,55 @@ class Consistency:
         report = ConsistencyReport(threshold, confidence)
         return Filtered(after, range_m != log.range_m, predicted_m, cause, report)
 
+    @property
+    def _mapper(self) -> Learned:
+        from sonarmap.methods.learned import Learned
+
+        return Learned(self.weights)
+
     @classmethod
     def space(cls) -> Space:
         """Return what may be searched."""
         return {"lost_share": Real(0.0003, 0.2, log=True)}
+
+
+class CausalConsistency:
+    """Judges readings as they come, by the learned map of those before them.
+
+    Parameters
+    ----------
+    method : Consistency
+        The filter.
+    ring, grid
+        The sonars, and the cells of its map.
+    """
+
+    def __init__(self, method: Consistency, ring: SonarRing, grid: GridSpec) -> None:
+        self._method = method
+        self._map = method._mapper.begin(ring, grid)
+        self._before: SonarLog | None = None
+
+    def add(self, readings: SonarLog) -> Filtered:
+        """Return what the filter makes of new readings; then they are part of the past.
+
+        What comes next of a sonar is not known: each is judged as the last one of a log is.
+        """
+        before = self._before
+        both = readings if before is None else joined([before, readings])
+        made = self._method.by_map(both, self._map.map)
+        self._map.add(readings)
+        # The newest reading of each sonar is what the next ones are compared with.
+        newest = {int(number): row for row, number in enumerate(both.sonar)}
+        self._before = both.select(np.array(sorted(newest.values()), dtype=int))
+        rows = slice(0 if before is None else len(before), None)
+        report: ConsistencyReport = made.report
+        predicted_m, cause = made.predicted_range_m, made.likely_cause
+        assert predicted_m is not None
+        assert cause is not None
+        return Filtered(
+            made.log.select(rows),
+            made.changed[rows],
+            predicted_m[rows],
+            cause[rows],
+            ConsistencyReport(report.threshold, report.confidence[rows]),
+        )

@@ -9,7 +9,7 @@ import numpy as np
 
 from sonarmap.kernels.jit import njit
 
-__all__ = ["SUMS", "arc_shares", "sum_evidence", "with_claims"]
+__all__ = ["SUMS", "arc_shares", "sum_evidence"]
 
 (
     TIMID,
@@ -72,9 +72,9 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     travel_m : ndarray, shape (n,)
         Way of the robot up to each reading, metres.
     limits : tuple of float
-        Half of the thickness of an arc, depth of the shadow behind one, bound of a short reading,
-        bearings / half-angle of the core and of the axis, up to where no echo is near, maximum
-        range; metres.
+        Half of the thickness of an arc, and of one in the competition, depth of the shadow behind
+        one, bound of a short reading, bearings / half-angle of the core and of the axis, up to
+        where no echo is near, maximum range; metres.
     sums : ndarray of float32, shape (cells of the grid, SUMS)
         Added to.
     passed, hit : ndarray of uint16, shape (cells of the grid,)
@@ -82,15 +82,33 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
     nearest : ndarray of float32, shape (cells of the grid, 3)
         Least range at which a cell was passed through, and lay on an arc, and least way at which
         it was passed through; lowered.
+
+    Returns
+    -------
+    first, cell, claim
+        The cells that are something to their reading in the competition, and what, as
+        `sonarmap.kernels.competition.claims` says; of no echo only the near ones.
     """
-    tolerance, depth, short, core, middle, near, farthest = limits
+    tolerance, narrow, depth, short, core, middle, near, farthest = limits
+    of = np.zeros(reading_m.size + 1, np.int64)
+    claimed, claim = np.empty(cell.size, np.int32), np.empty(cell.size, np.float32)
+    n = 0
     for i in range(reading_m.size):
         r, v, a = reading_m[i], vote[i], arc_weight[i]
+        until = r if echo[i] else min(r, near)
         bit = np.uint16(1 << bin_of[i])
         is_short, is_far = r <= short, r > short
         for k in range(first[i], first[i + 1]):
             at, rho, s = cell[k], range_m[k], share[k]
             beam = 1.0 - s * s
+            mine = 0.0
+            if echo[i] and abs(rho - r) <= narrow:
+                mine = beam
+            elif rho < until:
+                mine = -beam * max(1.0 - rho / farthest, 0.0)
+            if mine != 0.0:
+                claimed[n], claim[n] = at, mine
+                n += 1
             if not echo[i]:
                 if rho >= near:
                     sums[at, NONE_FAR] += v * beam
@@ -125,24 +143,8 @@ def sum_evidence(  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
                 nearest[at, 1] = min(nearest[at, 1], rho)
             elif rho <= r + depth:
                 sums[at, SHADOW] += v * beam
-
-
-@njit(error_model="numpy")
-def with_claims(first, cell, claim):  # type: ignore[no-untyped-def]  # pragma: no cover - compiled
-    """Return the lists without the cells that are nothing to their reading."""
-    kept = 0
-    for k in range(cell.size):
-        kept += claim[k] != 0.0
-    new_first = np.zeros(first.size, np.int64)
-    new_cell, new_claim = np.empty(kept, np.int32), np.empty(kept, np.float32)
-    n = 0
-    for i in range(first.size - 1):
-        for k in range(first[i], first[i + 1]):
-            if claim[k] != 0.0:
-                new_cell[n], new_claim[n] = cell[k], claim[k]
-                n += 1
-        new_first[i + 1] = n
-    return new_first, new_cell, new_claim
+        of[i + 1] = n
+    return of, claimed[:n].copy(), claim[:n].copy()
 
 
 @njit(error_model="numpy")

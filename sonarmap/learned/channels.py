@@ -92,7 +92,7 @@ def channels(log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
     grid : GridSpec
         Where the cells are. Their side is meant to be 5 cm, for which the numbers are chosen.
     """
-    from sonarmap.kernels.evidence import SUMS, sum_evidence, with_claims
+    from sonarmap.kernels.evidence import SUMS, sum_evidence
 
     log = telling(log)
     size, n = grid.rows * grid.cols, len(log)
@@ -110,13 +110,13 @@ def channels(log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
     bin_of %= _DIRECTIONS
     arc_cells = 2 * ring.half_angle_rad * reading_m / grid.resolution_m
     arc_weight = 1 / np.maximum(arc_cells, 1)
-    limits = (_TOLERANCE_M, _DEPTH_M, _SHORT_M, _CORE, _MIDDLE, near_m, ring.range_max_m)
+    limits = (_TOLERANCE_M, _ARC_M, _DEPTH_M, _SHORT_M, _CORE, _MIDDLE, near_m, ring.range_max_m)
     travel_m = _travel(log)
     first, cells, claimed = [np.zeros(1, np.int64)], [np.empty(0, np.int32)], []
     for begin in range(0, n, _BATCH):
         rows = slice(begin, begin + _BATCH)
         cones = _cones(log, rows, grid, reading_m[rows] + np.where(echo[rows], _DEPTH_M, 0.0))
-        sum_evidence(
+        of, cell, claim = sum_evidence(
             cones.first,
             cones.cell,
             cones.range_m,
@@ -134,10 +134,6 @@ def channels(log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
             hit,
             nearest,
         )
-        # Of no echo only the near part takes part: farther off it says too little.
-        believed_m = np.where(echo[rows], reading_m[rows], near_m)
-        claim = _claims(cones, believed_m, echo[rows], ring.range_max_m)
-        of, cell, claim = with_claims(cones.first, cones.cell, claim)
         first.append(first[-1][-1] + of[1:])
         cells.append(cell)
         claimed.append(claim)
@@ -232,20 +228,6 @@ def _cones(log: SonarLog, rows: slice, grid: GridSpec, reach_m: NDArray[np.float
 
     half_angle = log.ring.half_angle_rad
     return ListedCones.on(grid, log.sensor_xy_m[rows], log.axis_rad[rows], half_angle, reach_m)
-
-
-def _claims(
-    cones: ListedCones,
-    reading_m: NDArray[np.float64],
-    echo: NDArray[np.bool_],
-    range_max_m: float,
-) -> NDArray[np.float32]:
-    from sonarmap.kernels.competition import claims
-
-    claim: NDArray[np.float32] = claims(
-        cones.first, cones.range_m, cones.share, reading_m, echo, _ARC_M, range_max_m
-    )
-    return claim
 
 
 def _competition(

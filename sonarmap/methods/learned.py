@@ -8,15 +8,20 @@ it cannot do. Nothing but numpy and numba is needed to use it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from sonarmap.errors import InputError, within
 from sonarmap.grid import GridSpec
+from sonarmap.learned.growing import GrowingLog
 from sonarmap.log import SonarLog
 from sonarmap.occupancy import OccupancyMap
 from sonarmap.parameters import Real, Space
+from sonarmap.rings import SonarRing
 
-__all__ = ["Learned"]
+if TYPE_CHECKING:
+    from sonarmap.learned.weights import Weights
+
+__all__ = ["Learned", "LearnedMap"]
 
 
 @dataclass(frozen=True)
@@ -63,9 +68,8 @@ class Learned:
             If the weights cannot be read, are not what was written, or are of another version.
         """
         from sonarmap.learned.mapping import learned_cells
-        from sonarmap.learned.weights import shipped
 
-        weights = shipped(self.weights)
+        weights = self._loaded()
         cells = learned_cells(weights, log, grid)
         occupied_from, free_up_to = (
             getattr(weights, name) if getattr(self, name) is None else getattr(self, name)
@@ -79,7 +83,52 @@ class Learned:
             free_up_to=free_up_to,
         )
 
+    def begin(self, ring: SonarRing, grid: GridSpec) -> LearnedMap:
+        """Return an empty map, to which readings are added one at a time.
+
+        Its `map` is of the past alone and is made anew after 10 cm of way (and a hundredth of all
+        of it), 20 degrees of turning or 100 readings; in between it stays as it was.
+        """
+        self._loaded()
+        return LearnedMap(self, ring, grid)
+
+    def _loaded(self) -> Weights:
+        from sonarmap.learned.weights import shipped
+
+        return shipped(self.weights)
+
     @classmethod
     def space(cls) -> Space:
         """Return what may be searched: the thresholds of pictures, for the rest is learned."""
         return {"occupied_from": Real(0.1, 0.6)}
+
+
+class LearnedMap:
+    """A learned map of what was read so far.
+
+    Parameters
+    ----------
+    method : Learned
+        The method.
+    ring, grid
+        The sonars and the cells.
+    """
+
+    def __init__(self, method: Learned, ring: SonarRing, grid: GridSpec) -> None:
+        self._method, self._grid = method, grid
+        self._log = GrowingLog(ring)
+        self._map: OccupancyMap | None = None
+
+    def add(self, readings: SonarLog) -> None:
+        """Add readings of the ring that the map was begun for, in the order of firing."""
+        self._log.add(readings)
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map of the past; see `Learned.begin` for when it is made anew."""
+        if self._log.is_due:
+            self._map = self._method.map(self._log.whole(), self._grid)
+        elif self._map is None:
+            nothing = SonarLog(self._log.ring, *([] for _ in range(7)))  # type: ignore[arg-type]
+            self._map = self._method.map(nothing, self._grid)
+        return self._map

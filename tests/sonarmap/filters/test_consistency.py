@@ -160,3 +160,19 @@ def test_the_least_logs_are_judged(range_m):
 def test_bad_parameters_are_refused(parameters, message):
     with pytest.raises(InputError, match=message):
         sm.filter("consistency", **parameters)
+
+
+def test_readings_one_at_a_time_are_judged_by_the_past():
+    log = drive()
+    method = sm.filter("consistency", mode="mend")
+    state = method.begin(log.ring, sm.grid_over(log))
+    made = [state.add(log.select(slice(row, row + 8))) for row in range(0, len(log), 8)]
+    doubt = np.concatenate([each.doubt for each in made])
+    assert doubt.shape == log.range_m.shape
+    score = sm.score_readings(log, log.replace(doubt=doubt))
+    # Less than the whole log tells, which is 0.98 and more.
+    assert score.roc_auc > 0.85
+    # The past is the past: what came later changed nothing.
+    again = method.begin(log.ring, sm.grid_over(log))
+    early = [again.add(log.select(slice(row, row + 8))) for row in range(0, 240, 8)]
+    np.testing.assert_array_equal(np.concatenate([each.doubt for each in early]), doubt[:240])

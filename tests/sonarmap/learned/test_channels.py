@@ -8,17 +8,18 @@ from support import ONE, THREE, make_log, random_log
 
 import sonarmap as sm
 from sonarmap.kernels import evidence
+from sonarmap.kernels.competition import claims
 from sonarmap.kernels.listed_cones import ListedCones
 from sonarmap.learned.channels import CHANNELS, TURNING, channels, telling
 
 GRID = sm.GridSpec(0.05, (-1.5, -1.4), (56, 61))
-LIMITS = (0.075, 0.4, 1.5, 0.2, 0.5, 0.7, 8.0)
+LIMITS = (0.075, 0.05, 0.4, 1.5, 0.2, 0.5, 0.7, 8.0)
 NAMES = list(CHANNELS)
 
 
 def plain_sums(log, reading, echo, steady, vote, bins, arc_weight, travel):
     """The sums of every cell, cell by cell and reading by reading."""
-    tolerance, depth, short, core, middle, near, farthest = LIMITS
+    tolerance, _, depth, short, core, middle, near, farthest = LIMITS
     sums = np.zeros((*GRID.shape, evidence.SUMS))
     passed, hit = np.zeros(GRID.shape, int), np.zeros(GRID.shape, int)
     nearest = np.full((*GRID.shape, 3), 5.0)
@@ -134,13 +135,29 @@ def test_the_shares_of_arcs_are_those_of_plain_loops(rng):
     np.testing.assert_allclose(out, wanted, atol=1e-6)
 
 
-def test_lists_lose_what_is_nothing_to_its_reading(rng):
-    first, cell = np.array([0, 3, 3, 7]), rng.integers(99, size=7).astype(np.int32)
-    claim = np.array([0.5, 0, -0.1, 0, 0, 1, 0], np.float32)
-    of, kept, claims = evidence.with_claims(first, cell, claim)
-    assert of.tolist() == [0, 2, 2, 3]
-    assert kept.tolist() == [cell[0], cell[2], cell[5]]
-    np.testing.assert_array_equal(claims, claim[[0, 2, 5]])
+def test_claims_are_those_of_the_competition(rng):
+    log = random_log(rng, 30, reach_m=1.6)
+    log = log.select(log.usable & (log.range_m >= 0))
+    n, echo = len(log), np.isfinite(log.range_m)
+    reading = np.where(echo, log.range_m, 1.0)
+    reach = reading + 0.4 * echo
+    half_angle = log.ring.half_angle_rad
+    cones = ListedCones.on(GRID, log.sensor_xy_m, log.axis_rad, half_angle, reach)
+    cells = (cones.first, cones.cell, cones.range_m, cones.share)
+    ones, layers = np.ones(n), np.zeros((GRID.rows * GRID.cols, evidence.SUMS), np.float32)
+    bits = [np.zeros(GRID.rows * GRID.cols, np.uint16) for _ in range(2)]
+    nearest = np.zeros((GRID.rows * GRID.cols, 3), np.float32)
+    bins = np.zeros(n, int)
+    of, cell, claim = evidence.sum_evidence(
+        *cells, reading, echo, echo, ones, bins, ones, ones, LIMITS, layers, *bits, nearest
+    )
+    # No echo counts up to 0.7 m.
+    believed = np.where(echo, reading, 0.7)
+    every = claims(cones.first, cones.range_m, cones.share, believed, echo, 0.05, 8.0)
+    np.testing.assert_array_equal(claim, every[every != 0])
+    np.testing.assert_array_equal(cell, cones.cell[every != 0])
+    assert of[-1] == claim.size
+    assert of[3] == (every[: cones.first[3]] != 0).sum()
 
 
 def test_every_channel_says_something_and_none_is_large():

@@ -4,6 +4,7 @@ import functools
 import math
 import tracemalloc
 
+import gymnasium
 import numpy as np
 import pytest
 from support import ONE, make_log, random_log
@@ -188,3 +189,45 @@ def test_thresholds_are_those_of_the_weights_unless_given():
 def test_bad_parameters_are_refused(parameters, message):
     with pytest.raises(InputError, match=message):
         sm.method("learned", **parameters)
+
+
+def test_a_map_of_the_past_is_made_anew_as_the_robot_drives():
+    log, truth, observable = drive()
+    state = sm.method("learned").begin(log.ring, truth.grid)
+    first = state.map
+    assert not first.observed.any()
+    seen, maps = 0, []
+    for row in range(400):
+        state.add(log.select(slice(row, row + 1)))
+        made = state.map
+        seen += made is not (maps[-1] if maps else first)
+        maps.append(made)
+    # Far more readings than maps, and each map is of the past alone.
+    assert 3 < seen < 100
+    state.add(log.select(slice(400, None)))
+    whole = learned(log, truth.grid)
+    np.testing.assert_array_equal(state.map.probability, whole.probability)
+    early = sm.score_map(maps[-1], truth, observable=observable)
+    assert early.skill < sm.score_map(whole, truth, observable=observable).skill
+    assert not first.observed.any()
+
+
+def test_a_robot_that_stands_is_looked_at_again():
+    state = sm.method("learned").begin(ONE, sm.GridSpec(0.05, (-1, -1), (40, 40)))
+    state.add(make_log([1.0]))
+    once = state.map
+    state.add(make_log(np.linspace(0.9, 1.1, 99)))
+    assert state.map is once
+    state.add(make_log([1.0]))
+    assert state.map is not once
+
+
+def test_environments_map_by_it():
+    env = gymnasium.make(
+        "sim:sonarbed/Explore-v1", world="thesis-exp1", map_method="learned", map_patch=16
+    )
+    env.reset(seed=0)
+    for _ in range(3):
+        _, _, _, _, info = env.step(env.action_space.sample())
+    assert info["mapped_share"] > 0
+    env.close()
