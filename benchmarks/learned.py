@@ -60,6 +60,7 @@ def main() -> None:
             show("true poses: bits a cell, mean of rooms", bits, None)
             show("true poses: F1 within 10 cm", pooled.f1(1), "0.94")
     readings(drives)
+    one_at_a_time(drives)
     show("time for 500 scans in office, s", timed(), "0.2")
     show("size of the weights, MB", SHIPPED.stat().st_size / 1e6, "under 1")
 
@@ -104,6 +105,35 @@ def readings(drives) -> None:
     hsr = reduce(add, (sm.score_readings(log, sm.filter("hsr").apply(log)) for log in logs))
     show("HSR: of the wrong ones updated, mended", hsr.mended / max(hsr.wrong_updated, 1), None)
     show("HSR: spoiled_share", hsr.spoiled_share, None)
+
+
+def one_at_a_time(drives) -> None:
+    """Print what a reading costs as the robot drives, and what judging by the past alone loses."""
+    seconds, past, whole = [], [], []
+    for room in ("clutter", "corridor", "office", "thesis-exp2"):
+        log = drives[room][0].select(slice(8 * 200))
+        grid = sm.grid_over(log)
+        state = sm.method("learned").begin(log.ring, grid)
+        judge = sm.filter("consistency", mode="doubt")
+        causal = judge.begin(log.ring, grid)
+        doubts = []
+        for row in range(len(log)):
+            reading = log.select(slice(row, row + 1))
+            begin = process_time()
+            state.add(reading)
+            state.map  # noqa: B018 - it is made, or not, when it is asked for
+            seconds.append(process_time() - begin)
+            if row % 8 == 0:
+                doubts.append(causal.add(log.select(slice(row, row + 8))).doubt)
+        past.append(sm.score_readings(log, log.replace(doubt=np.concatenate(doubts))))
+        whole.append(sm.score_readings(log, judge.apply(log)))
+    show("a reading and its map as the robot drives, median ms", 1e3 * np.median(seconds), "10")
+    show("the same, mean ms", 1e3 * np.mean(seconds), None)
+    for what, scores in (("past alone", past), ("whole log", whole)):
+        score = reduce(add, scores)
+        show(f"readings judged by the {what}: area under ROC", score.roc_auc, None)
+        share = score.caught_at_lost_1_percent
+        show(f"readings judged by the {what}: caught at 1 % lost", share, None)
 
 
 def timed() -> float:

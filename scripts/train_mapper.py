@@ -39,8 +39,8 @@ def main(
     rooms: Annotated[int, typer.Option(help="How many rooms, about; a drive each.")] = 1100,
     steps: Annotated[int, typer.Option(help="Steps of the fitting.")] = 4000,
     judge_drives: Annotated[
-        int, typer.Option(help="Drives that the judge of readings is fitted to.")
-    ] = 300,
+        int, typer.Option(help="Drives in training rooms for the judge of readings.")
+    ] = 150,
     seed: Annotated[int, typer.Option(help="Of rooms, drives, crops and first weights.")] = 0,
     workers: Annotated[int, typer.Option(help="Processes that simulate.")] = 2,
     threads: Annotated[int, typer.Option(help="Threads of the training library.")] = 1,

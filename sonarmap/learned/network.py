@@ -16,7 +16,7 @@ from sonarmap.learned.weights import Layer, Weights
 __all__ = ["logits"]
 
 # Cells whose neighbours are copied at a time.
-_BLOCK = 2048
+_BLOCK = 512
 # Cells of a side: a larger map is made in tiles of this, with as much around each as the network
 # looks at (51 cells with four levels), so that its memory is that of a tile. Multiples of 8.
 _TILE, _HALO = 384, 56
