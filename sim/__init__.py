@@ -8,8 +8,10 @@ from importlib.util import find_spec
 from sim.engines.protocol import Engine, RayCaster
 from sim.robot.drivers import ConstantSpeeds, Driver, RandomWander, Sensed, WallFollower, Waypoints
 from sim.robot.odometry import OdometryModel
+from sim.runs.batch.drives import BatchDrive, simulate_batch
 from sim.runs.many import simulate_many
 from sim.runs.packets import StatusPackets
+from sim.runs.replay import Replay, replay
 from sim.runs.simulation import simulate
 from sim.sonar.air import Air
 from sim.sonar.cone.sonar import ConeSonar
@@ -28,6 +30,7 @@ Ears = SonarArray
 __all__ = [
     "Air",
     "AllAtOnce",
+    "BatchDrive",
     "Beacon",
     "ConeSonar",
     "ConstantSpeeds",
@@ -45,13 +48,16 @@ __all__ = [
     "RandomWander",
     "RayCaster",
     "Receiver",
+    "Replay",
     "Sensed",
     "Sonar",
     "SonarArray",
     "StatusPackets",
     "WallFollower",
     "Waypoints",
+    "replay",
     "simulate",
+    "simulate_batch",
     "simulate_many",
 ]
 

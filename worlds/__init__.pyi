@@ -1,3 +1,4 @@
+from .alignment import Alignment, align
 from .doubts import Doubt, doubts
 from .faces import Faces
 from .generation.generator import generate, plan, style, styles
@@ -15,6 +16,7 @@ __all__ = [
     "HIDDEN",
     "MATERIALS",
     "OCCUPIED",
+    "Alignment",
     "CellState",
     "Doubt",
     "Faces",
@@ -25,6 +27,7 @@ __all__ = [
     "Solid",
     "TruthGrid",
     "World",
+    "align",
     "doubts",
     "generate",
     "load",

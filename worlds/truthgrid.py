@@ -6,13 +6,13 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, label
 
-from sonarmap.errors import InputError, resolves
+from sonarmap.errors import InputError, one_of, resolves
 from sonarmap.files import atomic_path
 from sonarmap.grid import GridSpec
 from worlds.faces import Faces
@@ -62,8 +62,10 @@ class TruthGrid:
     def __post_init__(self) -> None:
         self.state.flags.writeable = False
 
-    def observable(self, log: SonarLog) -> NDArray[np.bool_]:
-        """Return which cells the sonars of a log could have observed from their true poses.
+    def observable(
+        self, log: SonarLog, *, poses: Literal["auto", "true", "odometry"] = "auto"
+    ) -> NDArray[np.bool_]:
+        """Return which cells the sonars of a log could have observed from where they were.
 
         A cell counts when a part of it lies in a sonar's cone within the maximum range and in
         line of sight, the first surface included. HIDDEN cells never count, for there is
@@ -72,7 +74,11 @@ class TruthGrid:
         Parameters
         ----------
         log : SonarLog
-            A log with truth. Only the true poses and the ring are used, not the readings.
+            Only the poses and the ring are used, not the readings.
+        poses : {"auto", "true", "odometry"}
+            Where the robot was: "true", by the truth of a simulated log; "odometry", by its own
+            account, all that a real log has, in the frame of the room (`worlds.align`). "auto": the
+            truth where there is one.
 
         Returns
         -------
@@ -81,9 +87,10 @@ class TruthGrid:
         Raises
         ------
         InputError
-            If the log has no truth.
+            If the log has no truth and the true poses are asked for.
         """
-        cones = _cones(log)
+        one_of("poses", poses, ("auto", "true", "odometry"))
+        cones = _cones(log, is_true=poses == "true" or (poses == "auto" and log.truth is not None))
         from worlds.visibility import mark_visible  # numba is heavy: loaded when rays are cast
 
         ring, cell_m = log.ring, self.grid.resolution_m
@@ -198,11 +205,12 @@ def _connected(untouched: NDArray[np.bool_], world: World, grid: GridSpec) -> ND
     return free
 
 
-def _cones(log: SonarLog) -> NDArray[np.float64]:
-    """Return (x_m, y_m, axis_rad) of every distinct firing at its true pose, shape (n, 3)."""
-    if log.truth is None:
-        raise InputError("log has no truth: observable cells need the true poses")
-    firings = np.column_stack([log.truth.x_m, log.truth.y_m, log.truth.heading_rad, log.sonar])
+def _cones(log: SonarLog, *, is_true: bool) -> NDArray[np.float64]:
+    """Return (x_m, y_m, axis_rad) of every distinct firing at its pose, shape (n, 3)."""
+    where = log.truth if is_true else log
+    if where is None:
+        raise InputError("the log has no truth (a real robot's?), needed for the true poses")
+    firings = np.column_stack([where.x_m, where.y_m, where.heading_rad, log.sonar])
     x_m, y_m, heading_rad, sonar = np.unique(firings, axis=0).T
     mount = sonar.astype(int)
     places = log.ring.sensor_xy_m(mount, x_m, y_m, heading_rad)

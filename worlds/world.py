@@ -1,4 +1,4 @@
-"""`World`: a known room as a value, closed under quarter turns and mirroring."""
+"""`World`: a known room as a value, closed under rigid motions and mirroring."""
 
 from __future__ import annotations
 
@@ -202,23 +202,40 @@ class World:
         turned = math.remainder(self.start.heading_rad + turns * math.pi / 2, math.tau)
         return self._placed(matrix, heading_rad=turned)
 
+    def placed(self, pose: Pose) -> World:
+        """Return the world as it is seen from outside when its frame lies at a pose there.
+
+        Its bounds become the smallest that hold the former ones.
+        """
+        cos, sin = math.cos(pose.heading_rad), math.sin(pose.heading_rad)
+        heading_rad = math.remainder(self.start.heading_rad + pose.heading_rad, math.tau)
+        matrix = np.array([[cos, -sin], [sin, cos]])
+        return self._placed(matrix, heading_rad=heading_rad, shift_m=(pose.x_m, pose.y_m))
+
     def mirrored(self) -> World:
         """Return the world mirrored at the x axis: y becomes -y, left becomes right."""
         return self._placed(np.array(_MIRROR), heading_rad=-self.start.heading_rad)
 
-    def _placed(self, matrix: NDArray[np.int64], *, heading_rad: float) -> World:
+    def _placed(
+        self,
+        matrix: NDArray[Any],
+        *,
+        heading_rad: float,
+        shift_m: tuple[float, float] = (0.0, 0.0),
+    ) -> World:
         def moved(x_m: float, y_m: float) -> tuple[float, float]:
-            x, y = (matrix @ (x_m, y_m)).tolist()
+            x, y = (matrix @ (x_m, y_m) + shift_m).tolist()
             return x, y
 
         def moved_solid(solid: Solid) -> Solid:
-            outline = shapely.transform(solid.outline, lambda xy: xy @ matrix.T)
+            outline = shapely.transform(solid.outline, lambda xy: xy @ matrix.T + shift_m)
             circle = None
             if solid.circle is not None:
                 circle = (*moved(*solid.circle[:2]), solid.circle[2])
             return replace(solid, outline=outline, circle=circle)
 
-        corners = np.array([moved(*self.bounds_m[:2]), moved(*self.bounds_m[2:])])
+        left, bottom, right, top = self.bounds_m
+        corners = np.array([moved(x_m, y_m) for x_m in (left, right) for y_m in (bottom, top)])
         x_min, y_min = corners.min(axis=0).tolist()
         x_max, y_max = corners.max(axis=0).tolist()
         return replace(

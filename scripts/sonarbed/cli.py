@@ -19,6 +19,7 @@ from sonarbed.commands.filtering import filter_
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
+from sonarbed.commands.replay import replay
 from sonarbed.commands.rings import rings
 from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
@@ -54,6 +55,7 @@ app.command("filter")(filter_)
 app.command()(hsr)
 app.command("map")(map_)
 app.command()(score)
+app.command()(replay)
 app.command()(dataset)
 app.command()(tune)
 app.command()(thesis)

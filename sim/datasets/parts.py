@@ -14,7 +14,7 @@ from sim.robot.odometry import OdometryModel
 from sim.runs.packets import StatusPackets
 from sim.sonar import presets
 from sim.sonar.air import Air
-from sim.sonar.firing import InTurn
+from sim.sonar.carried import with_ring
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
 from sim.sonar.protocol import Sonar
@@ -56,13 +56,8 @@ def settable(part: object) -> dict[str, Kind]:
 def make_sonar(settings: Settings, ring: SonarRing | None) -> Sonar:
     """Return the sonar of a log: a preset with its ring, its parameters and its air."""
     sonar: Any = presets.preset(settings["sonar"])
+    sonar = with_ring(sonar, ring)
     changes: dict[str, Any] = _table(settings, "sonar_parameters", only=settable(sonar))
-    if ring is not None:
-        changes["ring"] = ring
-        firing = sonar.firing
-        # One after the other, as many as there are.
-        if isinstance(firing, InTurn) and len(ring) != len(sonar.ring):
-            changes["firing"] = dataclasses.replace(firing, order=tuple(range(len(ring))))
     for table, field in (("receiver", "receiver"), ("transducer", "piston")):
         values = _table(settings, table)
         if values and hasattr(sonar, field):

@@ -24,7 +24,6 @@ from sim.datasets.parts import (
     packets_of,
     settable,
 )
-from sim.datasets.rings import find_ring
 from sim.datasets.rooms import RoomSource, check_style, room_count, room_sources
 from sim.datasets.spec import PARTS, DatasetSpec, grid_of
 from sim.datasets.values import Drawn, Fixed, Value, parse_value
@@ -32,6 +31,7 @@ from sim.engines.opening import ENGINES
 from sim.robot import drivers
 from sim.runs.jobs import digest_of
 from sim.sonar import presets
+from sim.sonar.carried import find_ring
 from sim.sonar.firing import check_firing
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import did_you_mean
@@ -214,9 +214,14 @@ def _rings(values: Mapping[str, Value], folder: Path) -> dict[str, SonarRing]:
     if "ring" not in values:
         return {}
     return {
-        str(name): _placed("logs.ring", lambda name=name: find_ring(str(name), folder))
+        str(name): _placed("logs.ring", lambda name=name: _ring(str(name), folder))
         for name in values["ring"].examples
     }
+
+
+def _ring(name: str, folder: Path) -> SonarRing:
+    """Return the ring that a spec names; the path of a file begins at the spec's folder."""
+    return find_ring(folder / name if name.lower().endswith(".toml") else name)
 
 
 def _tables(

@@ -12,7 +12,7 @@ from gymnasium.spaces import Space
 from numpy.typing import NDArray
 
 from sim.envs.episode_batch import BatchSpec, EpisodeBatch
-from sim.envs.episodes import EpisodeOptions, Randomisation, WorldChoice
+from sim.envs.episodes import EpisodeOptions, Randomisation, RingChoice, WorldChoice
 from sim.envs.infos import of_robot
 from sim.envs.maps.method_maps import MapMethod
 from sim.envs.pictures.frame_maker import FrameMaker
@@ -35,7 +35,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
 
     Observation
     -----------
-    A dictionary of new arrays, for a ring of k sonars (eight, if ``sonar`` says nothing else):
+    A dictionary of new arrays, for a ring of k sonars (eight, if nothing else is said):
 
     ================  ================  =========  ================================================
     ``range``         float32 (k,)      [0, 1]     newest reading of each sonar over its maximum
@@ -74,7 +74,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
         What stays the same through all episodes, see `sim.envs.BatchSpec`.
     validity, threads
         How an observation is given and a step is made, see `sim.envs.BatchSpec`.
-    world, sonar, odometry, start, goal, randomisation
+    world, sonar, ring, odometry, start, goal, randomisation
         What may differ from episode to episode, see `sim.envs.EpisodeOptions`. ``reset`` takes
         each of them by its name in ``options``, for that episode; a sonar with as many
         transducers as the observation has.
@@ -117,6 +117,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
         threads: int | str | None = None,
         world: WorldChoice | Sequence[WorldChoice] = EpisodeOptions.world,
         sonar: str | Sonar | Mapping[str, Any] = "aria",
+        ring: RingChoice | None = None,
         odometry: OdometryModel | Mapping[str, Any] | None = None,
         start: str | Pose | tuple[float, float, float] = "random",
         goal: str | tuple[float, float] = "random",
@@ -139,7 +140,7 @@ class SonarEnv(HasSpec, gymnasium.Env[Observation, Any]):
                 validity=validity,
                 threads=threads,
             ),
-            EpisodeOptions(world, sonar, odometry, start, goal, randomisation),
+            EpisodeOptions(world, sonar, ring, odometry, start, goal, randomisation),
             lambda robots: self.make_task(robots, weights),
             robots=1,
         )

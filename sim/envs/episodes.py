@@ -19,14 +19,16 @@ from sim.robot.amigobot import BODY_RADIUS_M
 from sim.robot.odometry import OdometryModel
 from sim.sonar import presets as sonars
 from sim.sonar.air import Air
+from sim.sonar.carried import with_ring
 from sim.sonar.protocol import Sonar
-from sonarmap import InputError
+from sonarmap import InputError, SonarRing
 from sonarmap.errors import did_you_mean, finite, positive
 from worlds import MATERIALS, Pose, World
 
 __all__ = ["EpisodeOptions", "Randomisation", "draw_episode"]
 
 WorldChoice = str | Path | World
+RingChoice = str | Path | SonarRing | Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,8 @@ class EpisodeOptions:
     sonar : str, Sonar or mapping
         A name that `sim.sonar.presets.preset` knows, a sonar, or one as a specification keeps it
         (`sim.envs.specs.described`).
+    ring : str, Path, SonarRing or mapping, optional
+        Another ring for the sonar, whatever the sonar is, see `sim.sonar.carried.with_ring`.
     odometry : OdometryModel or mapping of its fields, optional
         Errors of the odometry, by default the AmigoBot's.
     start : str, Pose or (float, float, float)
@@ -87,6 +91,7 @@ class EpisodeOptions:
 
     world: WorldChoice | Sequence[WorldChoice] = "thesis-exp1"
     sonar: str | Sonar | Mapping[str, Any] = "aria"
+    ring: RingChoice | None = None
     odometry: OdometryModel | Mapping[str, Any] | None = None
     start: str | Pose | tuple[float, float, float] = "random"
     goal: str | tuple[float, float] = "random"
@@ -97,7 +102,9 @@ class EpisodeOptions:
             object.__setattr__(self, name, value)
 
         accept("world", _loaded(self.world))
-        accept("sonar", _sonar(self.sonar))
+        ring = described("ring", self.ring) if isinstance(self.ring, Mapping) else self.ring
+        accept("ring", ring)
+        accept("sonar", with_ring(_sonar(self.sonar), ring))
         accept("start", _place("start", self.start, 3, ("random", "world")))
         accept("goal", _place("goal", self.goal, 2, ("random",)))
         for name, kind in (("odometry", OdometryModel), ("randomisation", Randomisation)):

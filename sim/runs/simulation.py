@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,10 @@ from sim.runs.motion import Motion, transducers
 from sim.runs.packets import StatusPackets
 from sim.runs.recorder import Recorder
 from sim.sonar import presets as sonars
+from sim.sonar.carried import with_ring
 from sim.sonar.firing import Firing, check_firing, fitted, pings
 from sim.sonar.protocol import Sonar
-from sonarmap import InputError, SonarLog
+from sonarmap import InputError, SonarLog, SonarRing
 from sonarmap.errors import flag, instance, whole
 from worlds import World
 
@@ -55,6 +57,7 @@ class DriveArguments:
         seed: int,
         driver: str | Driver = "auto",
         sonar: str | Sonar = "physical",
+        ring: str | Path | SonarRing | None = None,
         engine: str = "bullet",
         odometry: OdometryModel | None = None,
         packets: StatusPackets | None = None,
@@ -68,7 +71,7 @@ class DriveArguments:
                 f"scans must be <= {MOST_SCANS}, for the log of more would not fit into the "
                 f"memory, got {scans}"
             )
-        sonar_used = sonars.of(sonar)
+        sonar_used = with_ring(sonars.of(sonar), ring)
         firing = fitted(sonar_used.firing, len(sonar_used.ring))
         check_firing(firing, len(sonar_used.ring))
         if packets is not None:
@@ -96,6 +99,7 @@ def simulate(
     seed: int,
     driver: str | Driver = "auto",
     sonar: str | Sonar = "physical",
+    ring: str | Path | SonarRing | None = None,
     engine: str = "bullet",
     odometry: OdometryModel | None = None,
     packets: StatusPackets | None = None,
@@ -119,6 +123,9 @@ def simulate(
     sonar : str or Sonar
         The sonars: a name that `sim.sonar.presets.preset` knows, or a sonar. By default those
         that behave like sonars; "thesis" is the simple cone, quicker and easier to reason about.
+    ring : str, Path or SonarRing, optional
+        Another ring for the sonars: a name or a TOML file, see `sonarmap.ring`, or a ring. Places,
+        cones and ranges are its; the acoustics stay.
     engine : str
         What moves the robot and casts the rays: "bullet", PyBullet with its dynamics;
         "segments", exact faces and plain kinematics, many times faster; or another that
@@ -150,30 +157,31 @@ def simulate(
         seed=seed,
         driver=driver,
         sonar=sonar,
+        ring=ring,
         engine=engine,
         odometry=odometry,
         packets=packets,
         gui=gui,
     )
-    firing, ring = asked.firing, asked.sonar.ring
+    firing, carried = asked.firing, asked.sonar.ring
 
     # A stream each, so that one does not shift when another draws more.
     noise_rng, odometry_rng, driver_rng = np.random.default_rng(asked.seed).spawn(3)
     with open_engine(engine, world, gui=asked.gui) as robot:
-        recorder = Recorder(ring, world, packets)
+        recorder = Recorder(carried, world, packets)
         odometer = Odometer(asked.odometry, robot.pose, odometry_rng)
         motion = Motion(robot, odometer)
         send_packets = _packet_sender(motion, recorder, packets)
         array = asked.sonar.array(robot, world, noise_rng)
         control = asked.driver.begin(driver_rng)
-        newest_m = np.full(len(ring), np.inf)
-        schedule = pings(firing, len(ring), scans=asked.scans)
+        newest_m = np.full(len(carried), np.inf)
+        schedule = pings(firing, len(carried), scans=asked.scans)
         for scan, in_scan in groupby(schedule, lambda ping: ping.scan):
             fired: list[int] = []
             for ping in in_scan:
                 send_packets(ping.time_s)
                 motion.until(ping.time_s)
-                array.fire(ping.time_s, ping.sonars, *transducers(ring, robot.pose))
+                array.fire(ping.time_s, ping.sonars, *transducers(carried, robot.pose))
                 recorder.fired(scan, ping.time_s, ping.sonars, odometer.pose, robot.pose)
                 fired += ping.sonars
             echoes = array.detect()
@@ -183,7 +191,9 @@ def simulate(
             if on_scan is not None:
                 on_scan(scan)
             # The driver decides once a scan, when its last sonar has been read.
-            sensed = Sensed(motion.time_s, odometer.pose, newest_m.copy(), ring, collided=touched)
+            sensed = Sensed(
+                motion.time_s, odometer.pose, newest_m.copy(), carried, collided=touched
+            )
             motion.speeds_mps = control(sensed)
         send_packets(asked.scans * firing.period_s)  # the last packets have the last readings
     return recorder.log(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Protocol
 
 import numpy as np
@@ -15,7 +16,7 @@ from sim.sonar.firing import Firing
 from sonarmap import SonarRing
 from worlds import World
 
-__all__ = ["Echoes", "Sonar", "SonarArray"]
+__all__ = ["Echoes", "Sonar", "SonarArray", "from_sonars", "joined"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,27 @@ class Echoes:
     bounces: NDArray[np.int16]
     source: NDArray[np.int16]
     level_db: NDArray[np.float64]
+
+
+def joined(echoes: Sequence[Echoes]) -> Echoes:
+    """Return what was measured in several firings as one, in their order."""
+    if len(echoes) == 1:
+        return echoes[0]
+    return Echoes(
+        **{
+            field.name: np.concatenate([getattr(each, field.name) for each in echoes])
+            for field in fields(Echoes)
+        }
+    )
+
+
+def from_sonars(echoes: Echoes, sonars: Sequence[int]) -> Echoes:
+    """Return the echoes of some sonars of a ring with sources that are numbers of the ring.
+
+    What `Sonar.listen` returns counts the transducers that it was given from 0.
+    """
+    own = np.where(echoes.source >= 0, np.asarray(sonars)[echoes.source], echoes.source)
+    return replace(echoes, source=own.astype(np.int16))
 
 
 class SonarArray(Protocol):

@@ -13,7 +13,7 @@ from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.firing import AllAtOnce
-from sim.sonar.protocol import Echoes, Sonar, SonarArray
+from sim.sonar.protocol import Echoes, Sonar, SonarArray, from_sonars, joined
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import positive
 from worlds import World
@@ -76,12 +76,13 @@ class SimultaneousSonar(ABC):
 
 
 class _SimultaneousArray:
-    """The array of sonars that fire all together and remember nothing."""
+    """The array of sonars that remember nothing: each firing is over before the next."""
 
     def __init__(
         self, sonar: Sonar, rays: RayCaster, world: World, rng: np.random.Generator
     ) -> None:
         self._sonar, self._rays, self._world, self._rng = sonar, rays, world, rng
+        self._detected: list[Echoes] = []
 
     def fire(
         self,
@@ -90,9 +91,14 @@ class _SimultaneousArray:
         sensor_xy_m: NDArray[np.float64],
         axis_rad: NDArray[np.float64],
     ) -> None:
-        """Let all sonars fire."""
-        self._echoes = self._sonar.listen(self._rays, self._world, sensor_xy_m, axis_rad, self._rng)
+        """Let some sonars fire at once, see `SonarArray`."""
+        fired = list(sonars)
+        echoes = self._sonar.listen(
+            self._rays, self._world, sensor_xy_m[fired], axis_rad[fired], self._rng
+        )
+        self._detected.append(from_sonars(echoes, sonars))
 
     def detect(self) -> Echoes:
-        """Return what they detected."""
-        return self._echoes
+        """Return what was detected since the last call, see `SonarArray`."""
+        detected, self._detected = self._detected, []
+        return joined(detected)

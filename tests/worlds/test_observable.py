@@ -258,7 +258,12 @@ def test_poses_outside_of_the_grid_do_no_harm(make_world):
     assert not seen.any()
 
 
-def test_a_log_without_truth_is_refused(make_world):
-    log = SimpleNamespace(ring=ring(15, 3), truth=None, sonar=np.zeros(1, int))
-    with pytest.raises(InputError, match="log has no truth: observable cells need the true poses"):
-        observed(make_world(ROOM), log)
+def test_a_log_without_truth_is_taken_from_where_its_odometry_says(make_world):
+    room = make_world(ROOM)
+    log = log_at(ring(15, 3), (1.5, 2.5, 0))
+    real = SimpleNamespace(**{**vars(log), **vars(log.truth), "truth": None})
+    assert np.array_equal(observed(room, real), observed(room, log))
+    with pytest.raises(InputError, match=r"log has no truth .* needed for the true poses"):
+        worlds.truth(room).observable(real, poses="true")
+    with pytest.raises(InputError, match="poses 'gps' is unknown"):
+        worlds.truth(room).observable(real, poses="gps")

@@ -40,7 +40,8 @@ def import_(
     ring: Annotated[
         str | None,
         typer.Option(
-            help=f"The robot's sonars: {listed(RINGS)}; default the format's own, if it has one."
+            help=f"The robot's sonars: {listed(RINGS)}, or a TOML file; default the format's own, "
+            "if it has one."
         ),
     ] = None,
     keep_stale: Annotated[

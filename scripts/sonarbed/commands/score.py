@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -21,6 +21,10 @@ __all__ = ["score"]
 # Readings that pass the walls by mirrors spread a map beyond its room: in ours up to 80 % with the
 # physical sonar. Below this nobody need wonder.
 _MUCH_OUTSIDE = 0.25
+_BY_ODOMETRY = (
+    "Which cells were observable follows from the poses of odometry, the log's own: their errors "
+    "count as errors of the map."
+)
 
 
 def score(
@@ -34,8 +38,19 @@ def score(
     world: Annotated[str, typer.Option(help="The room that was mapped, or its file.")],
     log: Annotated[
         Path | None,
-        typer.Option(help="The log: only cells that its sonars could have observed are scored."),
+        typer.Option(
+            help="The log: only cells that its sonars could have observed are scored, from the "
+            "true poses of a simulated log, by odometry of a real one."
+        ),
     ] = None,
+    align: Annotated[
+        bool,
+        typer.Option(
+            "--align",
+            help="Find where the frame of the log and its map lies in the room; by odometry.",
+        ),
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Seed of the alignment.")] = 0,
     setting: Setting = None,
     as_json: Json = False,
 ) -> None:
@@ -55,14 +70,27 @@ def score(
     built, notes = read_map_and_notes(map_)
     room = load_world(world, setting)
     drive = None if log is None else sm.read_log(log)
-    contacts = None
+    contacts, motion = None, None
+    poses: Literal["true", "odometry"] | None = None
+    if align:
+        if drive is None:
+            raise sm.InputError("--align compares the readings with the room: give their --log")
+        with working("aligning"):
+            motion = worlds.align(drive, room, seed=seed)
+        room = motion.world_in_log_frame(room)
+        notes += (f"Aligned: {motion}.",)
     if drive is not None:
         _check_room(drive, room)
+        poses = "odometry" if align or drive.truth is None else "true"
+        if poses == "odometry":
+            notes += (_BY_ODOMETRY,)
         contacts = contacts_of(drive)
         notes += (str(contacts),) if contacts is not None and contacts.touched else ()
     with working("scoring"):
         truth = worlds.truth(room, built.grid)
-        observable = None if drive is None else truth.observable(drive)
+        observable = (
+            None if drive is None or poses is None else truth.observable(drive, poses=poses)
+        )
         scores = sm.score_map(built, truth, observable=observable).to_dict()
     outside = _share_outside(built, room)
     if outside > _MUCH_OUTSIDE:
@@ -81,12 +109,14 @@ def score(
                 **scores,
                 "cells": cells,
                 "known_outside_share": outside,
+                **({} if poses is None else {"poses": poses}),
+                **({} if motion is None else {"alignment": motion.to_dict()}),
                 **({} if contacts is None else contacts.to_dict()),
                 **({"notes": list(notes)} if notes else {}),
             }
         )
         return
-    kind = "observable" if log is not None else "not hidden"
+    kind = "not hidden" if log is None else f"observable, poses {poses}"
     print_table(
         f"{map_}: {scores['counts']['cells']} cells ({kind})",
         ["score", "map"],

@@ -37,6 +37,12 @@ def simulate(
         ),
     ] = "auto",
     sonar: Annotated[str, typer.Option(help=f"{listed(simulator('sonar_presets'))}.")] = "physical",
+    ring: Annotated[
+        str | None,
+        typer.Option(
+            help="Another ring for the sonars: a name (see `sonarbed rings`) or a TOML file."
+        ),
+    ] = None,
     packets: Annotated[
         bool,
         typer.Option(
@@ -69,7 +75,7 @@ def simulate(
     if gui and ":" in seed:
         raise InputError("--gui shows one drive: give one seed")
     room = load_world(world, setting)
-    arguments = {"scans": scans, "driver": driver, "sonar": sonar, "engine": engine}
+    arguments = {"scans": scans, "driver": driver, "sonar": sonar, "ring": ring, "engine": engine}
     if packets:
         from sim.runs.packets import StatusPackets
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
@@ -19,7 +19,7 @@ import sonarmap as sm
 import worlds
 from sim import Driver, Sonar, StatusPackets
 from sonarbed.reporting.parallel import OnProgress, no_progress, parallel_map
-from sonarmap.account import ContactAccount, ReadingAccount, account_by, contacts_of
+from sonarmap.account import ContactAccount, ReadingAccount, account_by, account_of, contacts_of
 from sonarmap.errors import InputError
 
 __all__ = [
@@ -207,6 +207,11 @@ class DriveStore:
         observable = _observable(path, _changed_ns(path), truth)
         return ScorableDrive(spec, log, truth, observable)
 
+    def account(self) -> DrivesAccount:
+        """Return the account of all drives that are here, whatever is made of them."""
+        logs = (sm.read_log(path) for path in sorted(self.folder.glob("*.parquet")))
+        return _summed((log, account_of(log)) for log in logs)
+
     def _simulate(self, spec: DriveSpec) -> None:
         spec.simulate().write(self.path_of(spec))
 
@@ -245,14 +250,16 @@ def account_of_drives(
     store: DriveStore, specs: Sequence[DriveSpec], method: sm.MappingMethod
 ) -> DrivesAccount:
     """Return the account of drives that are here, by what a mapping method uses of them."""
-    readings, contacts = ReadingAccount(0, 0, {}), ContactAccount(0, 0, "scans")
-    for spec in specs:
-        log = store.log(spec)
-        readings += account_by(log, method)
+    return _summed((log, account_by(log, method)) for log in map(store.log, specs))
+
+
+def _summed(accounts: Iterable[tuple[sm.SonarLog, ReadingAccount]]) -> DrivesAccount:
+    drives, readings, contacts = 0, ReadingAccount(0, 0, {}), ContactAccount(0, 0, "scans")
+    for log, account in accounts:
         of_drive = contacts_of(log)
         assert of_drive is not None, "a drive that is kept has its truth"
-        contacts += of_drive
-    return DrivesAccount(len(specs), readings, contacts)
+        drives, readings, contacts = drives + 1, readings + account, contacts + of_drive
+    return DrivesAccount(drives, readings, contacts)
 
 
 # Keyed by the time of the last change too: a file that is made again is read again.

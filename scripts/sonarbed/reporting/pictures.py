@@ -28,6 +28,7 @@ __all__ = [
     "draw_map",
     "draw_ring",
     "draw_rooms",
+    "draw_solids",
     "draw_world",
     "plan",
     "show_map",
@@ -62,7 +63,7 @@ def draw_world(world: worlds.World, path: Path) -> None:
     """Draw a room with its materials, start and route."""
     x_min, y_min, x_max, y_max = world.bounds_m
     figure, axes = _plan_figure(x_max - x_min, y_max - y_min)
-    _room(axes, world, by_material=True)
+    draw_solids(axes, world, by_material=True)
     if world.route_m:
         stops = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
         axes.plot(*stops.T, "o--", color=PATH_COLOUR, ms=4, lw=1, label="route")
@@ -127,7 +128,7 @@ def draw_rooms(rooms: Sequence[worlds.World], path: Path) -> None:
         axes.axis("off")
         if world is None:
             continue
-        _room(axes, world, by_material=True)
+        draw_solids(axes, world, by_material=True)
         x_min, y_min, x_max, y_max = world.bounds_m
         if world.route_m:
             way = np.array([(world.start.x_m, world.start.y_m), *world.route_m])
@@ -187,14 +188,14 @@ def draw_demo(
     mapped = [panels[name] for name in maps]
     log_truth = log.require_truth("the picture")
 
-    _room(room, world)
+    draw_solids(room, world)
     room.plot(log_truth.x_m, log_truth.y_m, color=PATH_COLOUR, lw=1.5, label="true path")
     room.plot(log.x_m, log.y_m, color="#E69F00", lw=1, ls="--", label="odometry")
     _robot(room, world.start)
     _legend_below(room)
     room.set_title("the room and the drive")
 
-    _room(points, world)
+    draw_solids(points, world)
     _points_by_cause(points, log)
     points.set_title("data points by cause (strokes: no echo)")
     _legend_below(points)
@@ -243,7 +244,7 @@ def _legend_below(axes: Axes) -> None:
     )
 
 
-def _room(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None:
+def draw_solids(axes: Axes, world: worlds.World, *, by_material: bool = False) -> None:
     """Draw the solids as filled outlines."""
     shades = _shades(world)
     in_legend: set[str] = set()

@@ -40,7 +40,7 @@ def write_report(
     package : str
         Whose page: its ``templates/page.*.j2`` give the report its title, beginning and words.
     values : mapping, optional
-        What these templates need besides `context` and `sections`, by name.
+        What these templates need besides `context`, `sections` and `drives`, by name.
     remedy : str
         What to do when a file of a section is missing; ``{study}`` is its study.
     """
@@ -63,10 +63,11 @@ def write_report(
     environment.globals["rows"] = lambda section, file: _rows(path_of(section, file))
     environment.filters["cell"] = _markdown_cell
     environment.globals["most_rows"] = _MOST_ROWS
+    drives = context.drives.account()
     written = []
     for suffix in ("html", "md"):
         text = environment.get_template(f"page.{suffix}.j2").render(
-            context=context, sections=sections, **(values or {})
+            context=context, sections=sections, drives=drives, **(values or {})
         )
         with atomic_path(context.folder / f"report.{suffix}") as path:
             path.write_text(text, encoding="utf-8")

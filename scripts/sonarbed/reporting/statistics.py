@@ -17,11 +17,20 @@ LEVEL = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A number with its 95 % interval; the interval is NaN when there is none."""
+    """A number with its 95 % interval; the interval is NaN when there is none.
+
+    Parameters
+    ----------
+    value, low, high : float
+        The number and the ends of its interval.
+    left_out : int
+        Values that it does not count, for they are not defined: NaN or infinite.
+    """
 
     value: float
     low: float
     high: float
+    left_out: int = 0
 
     def __str__(self) -> str:
         return self.text()
@@ -32,7 +41,8 @@ class Estimate:
             f"{number * factor:.{digits}f}" for number in (self.value, self.low, self.high)
         )
         interval = "" if math.isnan(self.low) else f" ({low} to {high})"
-        return f"{value}{interval} {unit}".strip()
+        without = f", {self.left_out} undefined left out" if self.left_out else ""
+        return f"{value}{interval} {unit}".strip() + without
 
     @property
     def sign(self) -> int:
@@ -43,20 +53,24 @@ class Estimate:
 
 
 def mean_of(values: Sequence[float] | ArrayLike) -> Estimate:
-    """Return the mean of independent values (such as one a seed) with Student's interval."""
-    numbers = np.asarray(values, float)
-    numbers = numbers[np.isfinite(numbers)]
+    """Return the mean of independent values (such as one a seed) with Student's interval.
+
+    Values that are not finite do not count, and the estimate says how many these are.
+    """
+    given = np.asarray(values, float)
+    numbers = given[np.isfinite(given)]
+    left_out = given.size - numbers.size
     if numbers.size == 0:
-        return Estimate(math.nan, math.nan, math.nan)
+        return Estimate(math.nan, math.nan, math.nan, left_out)
     mean = float(numbers.mean())
     if numbers.size == 1:
-        return Estimate(mean, math.nan, math.nan)
+        return Estimate(mean, math.nan, math.nan, left_out)
     half = float(
         stats.t.ppf(0.5 + LEVEL / 2, numbers.size - 1)
         * numbers.std(ddof=1)
         / math.sqrt(numbers.size)
     )
-    return Estimate(mean, mean - half, mean + half)
+    return Estimate(mean, mean - half, mean + half, left_out)
 
 
 def rank_correlation(x: ArrayLike, y: ArrayLike) -> float:

@@ -33,10 +33,6 @@ from worlds import Pose, World
 __all__ = ["BatchDrive", "is_compiled", "simulate_batch"]
 
 
-EXACT_THESIS = sonars.THESIS.replace(rays=None)
-"""The simple cone of the thesis without rays."""
-
-
 @dataclass(frozen=True, eq=False)
 class BatchDrive:
     """One drive of a batch: the arguments of `sim.simulate` on the engine `segments`.
@@ -58,8 +54,8 @@ class BatchDrive:
     world: World
     scans: int
     seed: int
-    driver: str | Driver = "thesis"
-    sonar: str | Sonar = EXACT_THESIS
+    driver: str | Driver = "auto"
+    sonar: str | Sonar = "thesis"
     odometry: OdometryModel | None = None
     start: Pose | None = None
 

@@ -45,10 +45,10 @@ class ConeSonar(SimultaneousSonar):
     ----------
     name, ring, scan_period_s
         See `sim.sonar.simultaneous.SimultaneousSonar`.
-    rays : int or None
-        Rays of a fan, odd (one lies on the axis) and >= 3, on any engine. None: the whole cone
-        counts, exactly, on an engine that knows the faces of the room
-        (`sim.engines.protocol.table_of`); others cast a fan of `FAN_RAYS` rays.
+    rays : int, optional
+        By default the whole cone counts, exactly, on an engine that knows the faces of the room
+        (`sim.engines.protocol.table_of`), as "segments" does; others cast a fan of `FAN_RAYS`
+        rays. Or the rays of a fan on any engine, odd (one lies on the axis) and >= 3.
     max_bounces : int
         How many mirroring surfaces a sound is traced over, >= 0; then it is lost.
     noise_std_m : float
@@ -63,7 +63,7 @@ class ConeSonar(SimultaneousSonar):
         over that in the air (`sim.Air`).
     """
 
-    rays: int | None = FAN_RAYS
+    rays: int | None = None
     max_bounces: int = 2
     # A real AmigoBot that stood still 2 m from a target: 1000 readings, 1.0 mm.
     noise_std_m: float = 0.001

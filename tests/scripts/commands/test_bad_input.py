@@ -171,7 +171,17 @@ REFUSED = [
     ("score good.parquet --world office", "good.parquet: is not a sonarbed map"),
     ("score map --world nowhere", "unknown world 'nowhere'"),
     ("score far --world office", "grid must hold the start"),
-    ("score map --world thesis-exp1 --log real.parquet", "log has no truth"),
+    ("score map --world thesis-exp1 --align", "--align compares the readings with the room"),
+    ("score map --world thesis-exp1 --log real.parquet --align", "at least 30 readings with an"),
+    # Replays.
+    ("replay gone.parquet --world office", "gone.parquet: no such file"),
+    ("replay good.parquet --world nowhere", "unknown world 'nowhere'"),
+    ("replay good.parquet --world thesis-exp1 --sonar thesi", "did you mean 'thesis'"),
+    ("replay good.parquet --world thesis-exp1 --poses gps", "poses 'gps' is unknown"),
+    ("replay good.parquet --world thesis-exp1 --align --poses true", "--poses must not be true"),
+    ("replay good.parquet --world thesis-exp1 --png a.jpg", "must end with .png"),
+    ("replay good.parquet --world thesis-exp1 --out a.csv", "a log is a Parquet file"),
+    ("replay real.parquet --world thesis-exp1 --poses true", "the log has no truth"),
     ("score map --world thesis-exp1 --log gone.parquet", "gone.parquet: no such file"),
     # Imports.
     ("import gone.csv --format aria --ring amigobot --out a", "gone.csv: no such file"),

@@ -79,7 +79,7 @@ def test_help_names_what_the_code_knows(help_of):
     assert f"{', '.join(sonars)} or {last_sonar}. [default: physical]" in simulate
     assert f"{' or '.join(sim.engines.opening.ENGINES)}. [default: bullet]" in simulate
     *first, last = sm.rings()
-    assert f"{', '.join(first)} or {last};" in import_
+    assert f"{', '.join(first)} or {last}, or a TOML file;" in import_
     for name in FORMATS:
         assert f" {name} (" in import_
     assert "<parameterized|standard>" in map_

@@ -3,8 +3,10 @@
 import csv
 import re
 
+import numpy as np
 import pytest
 from pages import Page, invented
+from support import make_log, random_truth
 
 from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.report import write_report
@@ -40,6 +42,18 @@ def test_page_has_the_words_of_its_package(context):
     for text in written(context, invented(context)):
         assert "Toys for Ada" in text
         assert "The shop:" in text
+
+
+def test_page_accounts_for_the_readings_of_its_drives(context, rng):
+    log = make_log([1.0, 1.1, 1.2, 1.3, np.inf], stale=[0, 0, 1, 0, 0], truth=random_truth(rng, 5))
+    for name in ("one", "two"):
+        log.write(context.drives.folder / f"{name}.parquet")
+    for text in written(context, invented(context)):
+        assert "The report's drives: 2 drives, 8 of 10 readings used; not used: 2 stale" in text
+
+
+def test_page_without_drives_does_not_speak_of_any(context):
+    assert "drives:" not in written(context, invented(context))[1]
 
 
 def test_page_is_self_contained_and_shows_every_item(context):

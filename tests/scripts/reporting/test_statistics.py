@@ -23,7 +23,10 @@ def test_equal_values_have_no_width():
 
 @pytest.mark.parametrize("unknown", [math.nan, math.inf])
 def test_what_is_not_a_number_does_not_count(unknown):
-    assert mean_of([1, unknown, 3, 2]) == mean_of([1, 3, 2])
+    estimate, known = mean_of([1, unknown, 3, 2]), mean_of([1, 3, 2])
+    assert (estimate.value, estimate.low, estimate.high) == (known.value, known.low, known.high)
+    assert (estimate.left_out, known.left_out) == (1, 0)
+    assert estimate.text(1) == f"{known.text(1)}, 1 undefined left out"
 
 
 def test_one_value_has_no_interval_and_none_has_no_mean():

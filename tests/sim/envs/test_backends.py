@@ -43,9 +43,9 @@ def speeds(rng, robots):
 @pytest.mark.parametrize(
     ("name", "sonar"),
     [
-        ("aria", sonars.preset("aria").replace(rays=None)),
-        ("thesis", sonars.preset("thesis").replace(rays=None)),
-        ("fan", sonars.preset("aria")),
+        ("aria", sonars.preset("aria")),
+        ("thesis", sonars.preset("thesis")),
+        ("fan", sonars.preset("aria").replace(rays=31)),
         ("webots", sonars.preset("webots")),
     ],
 )

@@ -28,7 +28,7 @@ OPTIONS = {
     "patch": {"map_patch": 20},
     "webots": {"sonar": "webots"},
     "thesis": {"sonar": "thesis", "control_s": 0.05},
-    "rooms": {"world": ["office", "clutter", "l-shape"], "randomisation": {"noise": (1, 5)}},
+    "rooms": {"world": ["office", "clutter", "thesis-exp2"], "randomisation": {"noise": (1, 5)}},
     "bullet": {"engine": "bullet"},
     "physical": {"sonar": "physical"},
 }

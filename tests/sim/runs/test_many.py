@@ -6,9 +6,18 @@ import pytest
 import sim
 import sonarmap as sm
 import worlds
+from sim.runs import many
+from sim.runs.batch.drives import simulate_batch
 from sim.runs.many import MANIFEST
 
 pytestmark = pytest.mark.engine
+
+
+class Spin:
+    """A person's own driver, which no compiled code knows."""
+
+    def begin(self, rng):
+        return lambda sensed: (-0.1, 0.1)
 
 
 def test_parallel_logs_equal_single_ones(tmp_path):
@@ -29,6 +38,47 @@ def test_parallel_logs_equal_single_ones(tmp_path):
         single.write(tmp_path / "single.parquet")
         assert path.read_bytes() == (tmp_path / "single.parquet").read_bytes()
         assert entry["readings"] == len(single) == sum(entry["causes"].values())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "compiled"),
+    [
+        ({"sonar": "thesis", "driver": "wander"}, True),
+        ({"sonar": "aria", "odometry": sim.OdometryModel(slip_std_m=0.01)}, True),
+        ({"sonar": sim.ConeSonar("fan", sm.AMIGOBOT, 0.1, rays=5)}, False),
+        ({"sonar": "thesis", "packets": sim.StatusPackets()}, False),
+        ({"sonar": "thesis", "driver": Spin()}, False),
+        ({"sonar": "physical"}, False),
+    ],
+)
+def test_what_can_be_compiled_is_and_the_logs_are_those_of_single_drives(
+    tmp_path, monkeypatch, arguments, compiled
+):
+    room, batches = worlds.load("l-shape"), []
+    monkeypatch.setattr(
+        many, "simulate_batch", lambda *args, **kw: batches.append(1) or simulate_batch(*args, **kw)
+    )
+    arguments = {"engine": "segments", "scans": 7, **arguments}
+    manifest = sim.simulate_many(room, tmp_path, seeds=[3, 5, 1], **arguments)
+    assert bool(batches) is compiled
+    assert [entry["seed"] for entry in manifest["logs"]] == [1, 3, 5]
+    for entry in manifest["logs"]:
+        sim.simulate(room, seed=entry["seed"], **arguments).write(tmp_path / "single.parquet")
+        single = (tmp_path / "single.parquet").read_bytes()
+        assert (tmp_path / entry["file"]).read_bytes() == single
+
+
+def test_what_was_written_before_an_interruption_stands_in_the_manifest(tmp_path):
+    def interrupt(seed):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        sim.simulate_many(
+            worlds.load("l-shape"), tmp_path, seeds=range(4), on_done=interrupt, scans=2,
+            engine="segments", sonar="thesis", jobs=2,
+        )  # fmt: skip
+    (entry,) = json.loads((tmp_path / MANIFEST).read_text())["logs"]
+    assert (tmp_path / entry["file"]).exists()
 
 
 @pytest.mark.parametrize(

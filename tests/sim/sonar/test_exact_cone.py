@@ -170,7 +170,7 @@ def spots(room, n, seed=0):
 def test_fans_of_more_and_more_rays_come_close(name):
     room = worlds.load(name)
     places, axes = spots(room, 1000)
-    aria = presets.preset("aria").replace(rays=None, noise_std_m=0, quantum_m=0, ring=EXACT.ring)
+    aria = presets.preset("aria").replace(noise_std_m=0, quantum_m=0, ring=EXACT.ring)
     exact = listen(room, places, axes, sonar=aria)
     close, same_cause = [], []
     for rays in (31, 101, 1001):

@@ -194,13 +194,7 @@ def _one_trial(task: _Task) -> None:
     search, settings = task.search, task.search.settings
     with quiet_optuna(), search.kept.usable():
         study = connect(search.kept)
-        finished = _finished(study)
-        if task.point is None:
-            is_made = len(finished) >= task.wanted
-        else:
-            made = {_key(trial.params) for trial in finished}
-            is_made = len(made) >= task.wanted or _key(dict(task.point)) in made
-        if is_made:
+        if _is_made(task, study):
             return
         study.sampler = _sampler(search, task.number, task.point)
         trial = study.ask(
@@ -219,7 +213,20 @@ def _one_trial(task: _Task) -> None:
             # Ctrl-C as well: the trial is marked as failed, or it would seem to run for ever.
             study.tell(trial, state=TrialState.FAIL)
             raise
-        study.tell(trial, float(np.mean(scores)))
+        # Asked again: who shares the study may have finished the last one meanwhile.
+        if _is_made(task, study):
+            study.tell(trial, state=TrialState.FAIL)
+        else:
+            study.tell(trial, float(np.mean(scores)))
+
+
+def _is_made(task: _Task, study: optuna.Study) -> bool:
+    """Return whether all that is wanted, or the task's point, has been made."""
+    finished = _finished(study)
+    if task.point is None:
+        return len(finished) >= task.wanted
+    made = {_key(trial.params) for trial in finished}
+    return len(made) >= task.wanted or _key(dict(task.point)) in made
 
 
 class _OnePoint(optuna.samplers.BaseSampler):

@@ -100,20 +100,21 @@ def test_two_processes_never_make_a_set_of_the_grid_twice(folder):
     assert set(models) <= set(thesis_parameter_sets())
 
 
+@pytest.mark.parametrize("others", [4, 5])
 @pytest.mark.parametrize("sampler", ["tpe", "grid"])
-def test_what_others_have_made_meanwhile_is_not_made_again(folder, sampler, monkeypatch):
+def test_what_others_have_made_meanwhile_is_not_made_again(folder, sampler, others, monkeypatch):
     search, made = search_in(folder, sampler=sampler), []
 
     def joined(*arguments):
-        # In the middle of the first trial somebody else makes all but that one.
+        # In the middle of the first trial somebody else makes all but that one, or all.
         made.append(arguments)
         if len(made) == 1:
             other = replace(search, seed=1)
             study = searching.connect(other.kept)
-            for number in range(1, 5):
+            for number in range(1, 1 + others):
                 point = tuple(thesis_points()[number].items()) if sampler == "grid" else None
                 searching._one_trial(searching._Task(other, number, 5, point))
-            assert len(searching._finished(study)) == 4
+            assert len(searching._finished(study)) == others
         return score_candidate(*arguments)
 
     monkeypatch.setattr(searching, "score_candidate", joined)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,9 +138,9 @@ def ranking(found: RoomSearch, measure: Measure, truth: Measure) -> Estimate:
     # Neighbouring pairs of seeds share a run. Values that share one of two independent runs
     # correlate with 0.5 at most, each with two others: that at most doubles the mean's variance.
     half = math.sqrt(2) * (estimate.high - estimate.value)
-    low, high = estimate.value - half, estimate.value + half
     # No correlation lies beyond 1.
-    return Estimate(estimate.value, *np.clip([low, high], -1, 1).tolist())
+    low, high = np.clip([estimate.value - half, estimate.value + half], -1, 1).tolist()
+    return replace(estimate, low=low, high=high)
 
 
 def tendencies(found: RoomSearch) -> dict[str, dict[str, Estimate]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import get_args
 
@@ -133,4 +133,4 @@ def share_over_drives(counts: Sequence[Counts], part: str, whole: str) -> Estima
     )
     # Student's interval does not know that a share ends at 0 and 1.
     low, high = (float(np.clip(bound, 0, 1)) for bound in (share.low, share.high))
-    return Estimate(share.value, low, high)
+    return replace(share, low=low, high=high)
