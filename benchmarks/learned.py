@@ -96,8 +96,10 @@ def readings(drives) -> None:
     show("caught while 1 % of right ones are lost", score.caught_at_lost_1_percent, "0.96")
     threshold = np.quantile(score.doubt[~score.is_wrong], 0.99)
     caught = score.is_wrong & (score.doubt > threshold)
-    near = (score.is_mended & caught).sum() / (caught & score.updated).sum()
-    show("of these, mended to within 10 cm of truth", near, "0.95")
+    mended = score.is_mended & caught
+    near = mended.sum() / (caught & score.updated).sum()
+    show("of these, if mended, to within 10 cm of truth", near, "0.95")
+    show("of these, mended to within 10 cm, the others rejected", mended.sum() / caught.sum(), None)
     show("spoiled_share at the filter's own threshold", score.spoiled_share, "0.005")
     rejected = reduce(add, (sm.score_readings(log, reject.apply(log)) for log in logs))
     show("rejected of the wrong at its own threshold", rejected.caught_share, None)

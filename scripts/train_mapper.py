@@ -37,7 +37,7 @@ def main(
         Path, typer.Option(help="The folder for logs, examples, weights and card.")
     ] = Path("mapper"),
     rooms: Annotated[int, typer.Option(help="How many rooms, about; a drive each.")] = 1100,
-    steps: Annotated[int, typer.Option(help="Steps of the fitting.")] = 4000,
+    steps: Annotated[int, typer.Option(help="Steps of the fitting.")] = 3000,
     judge_drives: Annotated[
         int, typer.Option(help="Drives in training rooms for the judge of readings.")
     ] = 150,

@@ -50,7 +50,7 @@ class Fitting:
     """
 
     widths: tuple[int, ...] = (24, 36, 56, 80)
-    steps: int = 4000
+    steps: int = 3000
     batch: int = 32
     crop: int = 96
     rate: float = 3e-3

@@ -58,10 +58,14 @@ class Consistency:
     ----------
     mode : {"doubt", "reject", "mend"}
         What becomes of a reading whose doubt is at least the threshold: nothing, it is rejected,
-        or it gets the predicted range. All readings have their doubt in any case.
+        or it gets the predicted range if that is sure enough, and else is rejected. All readings
+        have their doubt in any case.
     lost_share : float
         Share of the right readings that one is willing to lose, in [0.0003, 0.2]: decides the
         threshold, as it was on rooms that the filter was not fitted to.
+    least_confidence : float
+        How sure the predicted range must be, in [0, 1]: the probability that it is within 10 cm of
+        the truth. For mending only.
     weights : str, optional
         File of other weights, see `sonarmap.methods.learned.Learned`.
 
@@ -78,11 +82,13 @@ class Consistency:
 
     mode: Mode = "reject"
     lost_share: float = 0.01
+    least_confidence: float = 0.5
     weights: str | None = None
 
     def __post_init__(self) -> None:
         one_of("mode", self.mode, get_args(Mode))
         within("lost_share", self.lost_share, 0.0003, 0.2)
+        within("least_confidence", self.least_confidence, 0, 1)
         if self.weights is not None and not isinstance(self.weights, str):
             raise InputError(f"weights must be the path of a file, got {self.weights!r}")
 
@@ -110,12 +116,17 @@ class Consistency:
 
     def by_map(self, log: SonarLog, m: OccupancyMap | None) -> Filtered:
         """Return what `apply` does, by a learned map that is at hand; None if none is judged."""
-        from sonarmap.learned.readings import judge
+        from sonarmap.learned.readings import FEATURES, judge
         from sonarmap.learned.weights import shipped
 
         weights = shipped(self.weights)
         if "threshold" not in weights.reading:
             raise InputError(f"{self.weights}: the weights judge no readings")
+        if weights.reading["mean"].size != len(FEATURES):
+            raise InputError(
+                f"{self.weights}: the judge of readings must have {len(FEATURES)} features, got "
+                f"{weights.reading['mean'].size}: the weights are of another version"
+            )
         threshold = float(
             np.interp(self.lost_share, weights.reading["lost_share"], weights.reading["threshold"])
         )
@@ -131,7 +142,9 @@ class Consistency:
         wrong = judged & (doubt >= threshold)
         range_m, rejected = log.range_m, log.rejected
         if self.mode == "mend":
-            range_m = np.where(wrong, predicted_m, range_m)
+            sure = wrong & (confidence >= self.least_confidence)
+            range_m = np.where(sure, predicted_m, range_m)
+            rejected = rejected | (wrong & ~sure)
         elif self.mode == "reject":
             rejected = rejected | wrong
         after = log.replace(range_m=range_m, rejected=rejected, doubt=doubt)

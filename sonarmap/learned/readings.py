@@ -33,6 +33,8 @@ _AXIS, _INNER = 3, slice(2, 5)
 _STEP_M = 0.025
 _OFFSETS_M = (-0.6, -0.3, -0.15, -0.07, 0.07, 0.15, 0.3)
 _LEVELS = (0.85, 0.7, 0.5, 0.3, 0.15)
+# What is so near to a reading is at it: the width of a wall and of the doubt about its place.
+_ABOUT_M = 0.12
 # Scales at which differences of ranges are squeezed, metres.
 _FINE_M, _COARSE_M = 0.1, 0.6
 _FAR_M, _WIDE_RAD = 5.0, 0.3
@@ -54,6 +56,11 @@ FEATURES = (
         for offset in _OFFSETS_M
     ),
     *(f"{scale}_{name}" for scale in ("fine", "coarse") for name in CANDIDATES),
+    *(
+        f"{rays}_peak_{where}"
+        for where in ("before", "at")
+        for rays in ("axis", "inner", "least", "largest")
+    ),
     "mean_way_axis",
     "mean_way_least",
     "range",
@@ -101,7 +108,7 @@ def features_of(log: SonarLog, m: OccupancyMap) -> tuple[NDArray[np.float32], ND
     farthest = ring.range_max_m
     echo = log.range_m <= farthest
     reading_m = np.where(echo, log.range_m, farthest)
-    survival, falls_m, mean_m = walk(
+    survival, falls_m, mean_m, peak = walk(
         np.ascontiguousarray(m.probability),
         (*grid.origin_xy_m, grid.resolution_m),
         log.sensor_xy_m,
@@ -112,6 +119,7 @@ def features_of(log: SonarLog, m: OccupancyMap) -> tuple[NDArray[np.float32], ND
         _STEP_M,
         np.array(_OFFSETS_M),
         np.array(_LEVELS),
+        _ABOUT_M,
     )
     candidate_m = candidates_of(falls_m, farthest)
     off_m = candidate_m - reading_m[:, None]
@@ -125,6 +133,11 @@ def features_of(log: SonarLog, m: OccupancyMap) -> tuple[NDArray[np.float32], ND
         survival.mean(axis=1),
         np.tanh(off_m / _FINE_M),
         np.tanh(off_m / _COARSE_M),
+        *(
+            of(peak[:, :, where])
+            for where in (0, 1)
+            for of in (_on_axis, _least_inner, _least, _largest)
+        ),
         np.tanh((mean_m[:, _AXIS] - reading_m) / _COARSE_M),
         np.tanh((mean_m.min(axis=1) - reading_m) / _COARSE_M),
         reading_m / _FAR_M,
@@ -174,6 +187,22 @@ def judge(network: Mapping[str, NDArray[np.float32]], log: SonarLog, m: Occupanc
     predicted_m = candidate_m[rows, best]
     predicted_m = np.where(predicted_m >= log.ring.range_max_m, math.inf, predicted_m)
     return Judgement(causes, predicted_m, right[rows, best])
+
+
+def _on_axis(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values[:, _AXIS]
+
+
+def _least_inner(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values[:, _INNER].min(axis=1)
+
+
+def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values.min(axis=1)
+
+
+def _largest(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return values.max(axis=1)
 
 
 def judged_by(

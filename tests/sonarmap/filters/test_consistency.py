@@ -1,10 +1,12 @@
 """The filter by the learned map: its walk against plain loops, and what must hold of it."""
 
+import dataclasses
 import functools
 import math
 
 import numpy as np
 import pytest
+from learned_weights import small_weights
 from support import ONE, make_log, random_log
 
 import sonarmap as sm
@@ -27,30 +29,36 @@ def drive():
 def plain_walk(p, grid, place, angle, reading, reach, step, offsets, levels):
     """One ray, step by step."""
     survival, falls, mean = np.ones(len(offsets)), np.full(len(levels), reach), 0.0
-    s, noted = 1.0, np.zeros(len(offsets), bool)
+    s, noted, peak, done = 1.0, np.zeros(len(offsets), bool), [0.0, 0.0], False
     for k in range(math.ceil(reach / step)):
         r = (k + 0.5) * step
         due = (reading + offsets <= r) & ~noted
         survival[due], noted = s, noted | due
         row, col = grid.cell_of(place[0] + r * math.cos(angle), place[1] + r * math.sin(angle))
         if grid.contains(row, col):
-            s *= (1 - min(p[row, col], 0.999)) ** (step / grid.resolution_m)
+            if r < reading - 0.12:
+                peak[0] = max(peak[0], p[row, col])
+            elif r <= reading + 0.12:
+                peak[1] = max(peak[1], p[row, col])
+            if not done:
+                s *= (1 - min(p[row, col], 0.999)) ** (step / grid.resolution_m)
+        if done:
+            continue
         mean += s * step
         falls = np.where((s < levels) & (falls == reach), r, falls)
-        if s < 1e-3:
-            break
+        done = s < 1e-3
     survival[~noted] = s
-    return survival, falls, mean
+    return survival, falls, mean, peak
 
 
 def test_the_walk_is_that_of_plain_loops(rng):
     grid = sm.GridSpec(0.1, (-1, -0.8), (17, 21))
-    p = rng.random(grid.shape) ** 4
+    p = rng.random(grid.shape) ** 3
     places, axes = rng.uniform(-0.7, 0.7, (6, 2)), rng.uniform(-4, 4, 6)
     bearings, readings = np.array([-0.2, 0.0, 0.3]), rng.uniform(0.2, 2, 6)
     offsets, levels = np.array([-0.3, 0.0, 0.2]), np.array([0.8, 0.4])
-    survival, falls, mean = walk(
-        p, (-1, -0.8, 0.1), places, axes, bearings, readings, 2.0, 0.03, offsets, levels
+    survival, falls, mean, peak = walk(
+        p, (-1, -0.8, 0.1), places, axes, bearings, readings, 2.0, 0.03, offsets, levels, 0.12
     )
     for i in range(6):
         for ray in range(3):
@@ -60,6 +68,7 @@ def test_the_walk_is_that_of_plain_loops(rng):
             np.testing.assert_allclose(survival[i, ray], wanted[0], atol=1e-9)
             np.testing.assert_allclose(falls[i, ray], wanted[1])
             assert mean[i, ray] == pytest.approx(wanted[2])
+            np.testing.assert_allclose(peak[i, ray], wanted[3])
 
 
 def test_the_names_of_features_and_candidates_are_as_many_as_there_are(rng):
@@ -96,9 +105,23 @@ def test_what_it_mends_is_marked_and_mostly_right():
     assert score.spoiled_share < 0.02
     np.testing.assert_array_equal(made.changed, made.log.range_m != log.range_m)
     assert made.changed.any()
-    np.testing.assert_array_equal(made.rejected, log.rejected)
     changed = made.changed
+    assert not (made.rejected & changed).any()
     np.testing.assert_array_equal(made.log.range_m[changed], made.predicted_range_m[changed])
+
+
+def test_what_is_not_sure_enough_to_mend_is_rejected():
+    log = drive()
+    timid, bold = (
+        sm.filter("consistency", mode="mend", least_confidence=least).apply(log)
+        for least in (0.95, 0.0)
+    )
+    assert not bold.rejected.any()
+    assert timid.rejected.any()
+    assert (timid.report.confidence[timid.changed] >= 0.95).all()
+    np.testing.assert_array_equal(
+        timid.rejected | timid.changed, bold.changed | (timid.rejected & ~bold.changed)
+    )
 
 
 def test_doubt_alone_changes_and_rejects_nothing():
@@ -154,6 +177,7 @@ def test_the_least_logs_are_judged(range_m):
     [
         ({"mode": "drop"}, "mode 'drop' is unknown"),
         ({"lost_share": 0.5}, r"lost_share must be within \[0.0003, 0.2\], got 0.5"),
+        ({"least_confidence": 2}, r"least_confidence must be within \[0, 1\], got 2"),
         ({"weights": 3}, "weights must be the path of a file, got 3"),
     ],
 )
@@ -176,3 +200,16 @@ def test_readings_one_at_a_time_are_judged_by_the_past():
     again = method.begin(log.ring, sm.grid_over(log))
     early = [again.add(log.select(slice(row, row + 8))) for row in range(0, 240, 8)]
     np.testing.assert_array_equal(np.concatenate([each.doubt for each in early]), doubt[:240])
+
+
+def test_weights_without_a_judge_or_with_another_one_are_refused(rng, tmp_path):
+    weights = small_weights(rng)
+    path = str(tmp_path / "w.npz")
+    weights.save(path)
+    with pytest.raises(InputError, match=r"w\.npz: the weights judge no readings"):
+        sm.filter("consistency", weights=path).apply(make_log([1.0]))
+    other = {"mean": np.zeros(3, np.float32), "threshold": np.ones(2), "lost_share": np.ones(2)}
+    path = str(tmp_path / "other.npz")
+    dataclasses.replace(weights, reading=other).save(path)
+    with pytest.raises(InputError, match=r"must have \d+ features, got 3: .* another version"):
+        sm.filter("consistency", weights=path).apply(make_log([1.0]))
