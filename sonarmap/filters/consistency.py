@@ -191,7 +191,7 @@ class CausalConsistency:
         # The newest reading of each sonar is what the next ones are compared with.
         newest = {int(number): row for row, number in enumerate(both.sonar)}
         self._before = both.select(np.array(sorted(newest.values()), dtype=int))
-        rows = slice(0 if before is None else len(before), None)
+        rows = np.arange(0 if before is None else len(before), len(both))
         report: ConsistencyReport = made.report
         predicted_m, cause = made.predicted_range_m, made.likely_cause
         assert predicted_m is not None

@@ -9,6 +9,7 @@ at more rarely, by a share of their way, so that the cost of a reading grows slo
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -83,11 +84,10 @@ class GrowingLog:
 
 def joined(parts: list[SonarLog]) -> SonarLog:
     """Return logs of a ring, each later than the one before, as one; without their truth."""
-    columns = {
+    columns: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts]) for name in SonarLog.DTYPES
     }
     # Each part may count its scans from 0.
-    scan, time_s = columns["scan"], columns["time_s"]
-    columns["scan"] = np.maximum.accumulate(scan)
-    columns["time_s"] = np.maximum.accumulate(time_s)
+    for name in ("scan", "time_s"):
+        columns[name] = np.maximum.accumulate(columns[name])
     return SonarLog(parts[0].ring, **columns)

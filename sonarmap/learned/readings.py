@@ -133,11 +133,8 @@ def features_of(log: SonarLog, m: OccupancyMap) -> tuple[NDArray[np.float32], ND
         survival.mean(axis=1),
         np.tanh(off_m / _FINE_M),
         np.tanh(off_m / _COARSE_M),
-        *(
-            of(peak[:, :, where])
-            for where in (0, 1)
-            for of in (_on_axis, _least_inner, _least, _largest)
-        ),
+        *_over_rays(peak[:, :, 0]),
+        *_over_rays(peak[:, :, 1]),
         np.tanh((mean_m[:, _AXIS] - reading_m) / _COARSE_M),
         np.tanh((mean_m.min(axis=1) - reading_m) / _COARSE_M),
         reading_m / _FAR_M,
@@ -189,20 +186,14 @@ def judge(network: Mapping[str, NDArray[np.float32]], log: SonarLog, m: Occupanc
     return Judgement(causes, predicted_m, right[rows, best])
 
 
-def _on_axis(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values[:, _AXIS]
-
-
-def _least_inner(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values[:, _INNER].min(axis=1)
-
-
-def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values.min(axis=1)
-
-
-def _largest(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values.max(axis=1)
+def _over_rays(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return what of each ray is on the axis, the least of the inner and of all, and the largest."""
+    return [
+        values[:, _AXIS],
+        values[:, _INNER].min(axis=1),
+        values.min(axis=1),
+        values.max(axis=1),
+    ]
 
 
 def judged_by(
