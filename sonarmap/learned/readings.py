@@ -187,7 +187,7 @@ def judge(network: Mapping[str, NDArray[np.float32]], log: SonarLog, m: Occupanc
 
 
 def _over_rays(values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """Return what of each ray is on the axis, the least of the inner and of all, and the largest."""
+    """Return the value on the axis, the least of the inner rays, of all, and the largest."""
     return [
         values[:, _AXIS],
         values[:, _INNER].min(axis=1),
