@@ -1,10 +1,9 @@
-"""What the physical sonar costs by image sources and by rays, and how far the two agree.
+"""What the physical sonar costs by image sources and by rays.
 
 Both searches run in turn in one process, so that what else the machine does meets them alike.
 """
 
 import math
-from dataclasses import replace
 from itertools import product
 from time import perf_counter
 
@@ -19,7 +18,9 @@ from sim.sonar.presets import preset
 
 SCANS, STOPS = 150, 40
 PHYSICAL = preset("physical")
-QUIET = PHYSICAL.replace(receiver=Receiver(noise_std_m=0, weak_noise_std_m=0, quantum_m=0))
+QUIET = PHYSICAL.replace(
+    receiver=Receiver(noise_std_m=0, weak_noise_std_m=0, quantum_m=0), search="images"
+)
 Stops = list[tuple[float, float, float]]
 
 
@@ -41,11 +42,6 @@ def main() -> None:
             f"{type(firing).__name__}, {bounces} bounces: {cost[0]:.0f} us a reading by rays, "
             f"{cost[1]:.0f} by images"
         )
-    for name in worlds.names():
-        room = worlds.load(name)
-        room = room.with_materials([replace(s.material, roughness_m=0.0) for s in room.solids])
-        alike = [agreement(room, step_deg) for step_deg in (1.0, 0.1)]
-        print(f"{name}: {alike[0]:.1%} of rays 1 degree apart agree, {alike[1]:.1%} of 0.1 degree")
 
 
 def stops_in(room: worlds.World, count: int) -> Stops:
@@ -84,20 +80,6 @@ def drive_us_of(room: worlds.World, sonar: sim.PhysicalSonar) -> float:
     begin = perf_counter()
     sim.simulate(room, scans=SCANS, seed=0, driver="route", sonar=sonar, engine="segments")
     return (perf_counter() - begin) / SCANS / 8 * 1e6
-
-
-def agreement(room: worlds.World, step_deg: float) -> float:
-    """Return the share of readings alike: within 1 mm, with one cause, source and bounces."""
-    stops = stops_in(room, STOPS)
-    rays = QUIET.replace(search="rays", ray_step_rad=math.radians(step_deg))
-    alike = []
-    for one, other in zip(read(room, rays, stops)[0], read(room, QUIET, stops)[0], strict=True):
-        equal = one.range_m == other.range_m
-        apart = np.where(equal, 0.0, one.range_m) - np.where(equal, 0.0, other.range_m)
-        for column in ("cause", "bounces", "source"):
-            apart[getattr(one, column) != getattr(other, column)] = math.inf
-        alike.append(np.abs(apart) < 1e-3)
-    return float(np.mean(alike))
 
 
 if __name__ == "__main__":

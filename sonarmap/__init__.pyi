@@ -37,5 +37,7 @@ from .rings import ring as ring
 from .rings import rings as rings
 from .scores.maps import MapScore as MapScore
 from .scores.maps import score_map as score_map
+from .scores.paths import PathScore as PathScore
+from .scores.paths import score_paths as score_paths
 from .scores.readings import ReadingScore as ReadingScore
 from .scores.readings import score_readings as score_readings

@@ -25,7 +25,9 @@ from sonarbed.commands.score import score
 from sonarbed.commands.simulate import simulate
 from sonarbed.commands.thesis import thesis
 from sonarbed.commands.tune import tune
+from sonarbed.commands.warmup import warmup
 from sonarbed.commands.worlds import WorldsCommand, worlds
+from sonarbed.compiling import told_of_compiling
 from sonarbed.encoding import plain_where_needed
 from sonarbed.interruption import INTERRUPTED, STOPPED, Interruption
 from sonarbed.surroundings import open_streams, quiet_matplotlib
@@ -60,6 +62,7 @@ app.command()(dataset)
 app.command()(tune)
 app.command()(thesis)
 app.command()(acoustics)
+app.command()(warmup)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -70,7 +73,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     # A notebook that calls this lives on, whatever becomes of the command.
     interruption = Interruption(ends_process=argv is None)
     try:
-        with interruption.heard(), _modules_of_this_folder(), quiet_matplotlib():
+        with (
+            interruption.heard(),
+            _modules_of_this_folder(),
+            quiet_matplotlib(),
+            told_of_compiling(),
+        ):
             code = _run(arguments, interruption)
         if code == INTERRUPTED:  # Typer's way to tell of Ctrl-C
             raise KeyboardInterrupt

@@ -97,6 +97,7 @@ SCORES = (
     ("skill", "skill over the blank sheet", ""),
     ("map_score", "Map Score per cell", "bit"),
     ("average_precision", "average precision", ""),
+    ("tolerant_average_precision", "the same within 1 cell", ""),
     ("calibration_error", "calibration error", ""),
     ("brier", "Brier score", ""),
     ("correlation", "correlation", ""),
@@ -106,6 +107,10 @@ SCORES = (
     ("coverage", "coverage", ""),
     ("false_free_m2", "false-free area", "m²"),
     ("phantom_m2", "phantom area", "m²"),
+    ("wall_gap_m", "walls without a cell", "m"),
+    ("thickness_m", "thickness of walls", "m"),
+    ("baddeley_m", "Baddeley's distance", "m"),
+    ("image_dissimilarity", "image dissimilarity", "cells"),
     ("map_to_truth_m", "map to truth, mean", "m"),
     ("truth_to_map_m", "truth to map, mean", "m"),
 )

@@ -10,13 +10,12 @@ to the last bit.
 
 from __future__ import annotations
 
-import math
 import multiprocessing
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 
+from sonarmap.cores import usable_cores
 from sonarmap.errors import InputError, whole
 
 __all__ = ["SETTING", "numba_threads", "threads_for", "usable_cores"]
@@ -26,7 +25,6 @@ SETTING = "SONARBED_THREADS"
 
 # Fewer robots take less time than threads that have to wait for a busy core.
 _MANY = 64
-_CGROUP = Path("/sys/fs/cgroup")
 
 # Numba's threads do not outlive a fork, and its OpenMP layer ends a child that calls for them.
 _forked = False
@@ -39,18 +37,6 @@ def _note_fork() -> None:
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_note_fork)
-
-
-def usable_cores() -> int:
-    """Return how many cores this process may use, at least one.
-
-    Those that its affinity allows, and in a container no more than its share of time (cgroups).
-    """
-    try:
-        cores = len(os.sched_getaffinity(0))
-    except AttributeError:  # not on Linux
-        cores = os.cpu_count() or 1
-    return max(1, min(cores, _share_of_time()))
 
 
 def threads_for(wanted: int | str | None, robots: int) -> int:
@@ -109,21 +95,3 @@ def _checked(name: str, wanted: int | str) -> int:
             raise InputError(f"{name} must be a whole number >= 1 or 'all', got {wanted!r}")
         return usable_cores()
     return whole(name, wanted, least=1)
-
-
-def _share_of_time() -> int:
-    """Return how many cores the time that a container grants makes, rounded up."""
-    for quota, period in (
-        ("cpu.max", None),
-        ("cpu/cpu.cfs_quota_us", "cpu/cpu.cfs_period_us"),
-    ):
-        try:
-            words = (_CGROUP / quota).read_text().split()
-            if period is not None:
-                words += (_CGROUP / period).read_text().split()
-            granted_us, of_us = float(words[0]), float(words[1])
-        except (OSError, ValueError, IndexError):  # no such file, or "max": no limit
-            continue
-        if granted_us > 0 and of_us > 0:
-            return math.ceil(granted_us / of_us)
-    return os.cpu_count() or 1

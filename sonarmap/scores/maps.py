@@ -14,6 +14,7 @@ from sonarmap.errors import InputError
 from sonarmap.grid import GridSpec
 from sonarmap.occupancy import OccupancyMap
 from sonarmap.scores.probabilities import CLAMP, ProbabilityCounts
+from sonarmap.scores.shapes import ShapeCounts
 
 __all__ = ["GridTruth", "MapScore", "ToleranceCount", "score_map"]
 
@@ -86,6 +87,8 @@ class MapScore:
     probabilities : ProbabilityCounts, optional
         The cells by their probabilities, and the loss of the blank sheet. None for a score that is
         made of the other counts alone: what follows from these is then NaN.
+    shapes : ShapeCounts, optional
+        The walls as pictures; None as for `probabilities`.
     """
 
     resolution_m: float
@@ -104,6 +107,7 @@ class MapScore:
     truth_distance_m: float
     tolerances: tuple[ToleranceCount, ...]
     probabilities: ProbabilityCounts | None = field(default=None, compare=False)
+    shapes: ShapeCounts | None = field(default=None, compare=False)
 
     def __add__(self, other: MapScore) -> MapScore:
         if self.resolution_m != other.resolution_m:
@@ -114,17 +118,19 @@ class MapScore:
         sums = {
             name: getattr(self, name) + getattr(other, name)
             for name in self.__slots__
-            if name not in ("resolution_m", "tolerances", "probabilities")
+            if name not in ("resolution_m", "tolerances", "probabilities", "shapes")
         }
         tolerances = tuple(
             ToleranceCount(a.tolerance_m, a.map_hits + b.map_hits, a.truth_hits + b.truth_hits)
             for a, b in zip(self.tolerances, other.tolerances, strict=True)
         )
         ours, others = self.probabilities, other.probabilities
+        shapes, of_other = self.shapes, other.shapes
         return MapScore(
             resolution_m=self.resolution_m,
             tolerances=tolerances,
             probabilities=None if ours is None or others is None else ours + others,
+            shapes=None if shapes is None or of_other is None else shapes + of_other,
             **sums,
         )
 
@@ -171,6 +177,40 @@ class MapScore:
     def average_precision(self) -> float:
         """Area under the precision-recall curve of the occupied cells, see `ProbabilityCounts`."""
         return math.nan if self.probabilities is None else self.probabilities.average_precision
+
+    @property
+    def tolerant_average_precision(self) -> float:
+        """The same where a wall is hit by a cell within one cell of it, each wall cell once."""
+        if self.probabilities is None or self.shapes is None:
+            return math.nan
+        return self.shapes.tolerant_average_precision(self.probabilities)
+
+    @property
+    def wall_gap_m(self) -> float:
+        """Length of the walls without an occupied cell of the map within one cell, metres.
+
+        A wall is as long as its surface has cells: what runs aslant counts by its longer side.
+        """
+        return (self.truth_occupied - self.tolerances[0].truth_hits) * self.resolution_m
+
+    @property
+    def thickness_m(self) -> float:
+        """Area of the map's occupied cells within 20 cm of a wall over the length found, metres.
+
+        One cell for a perfect map; NaN where no wall was found.
+        """
+        found = self.tolerances[-1].truth_hits
+        return self.resolution_m * _ratio(self.tolerances[-1].map_hits, found)
+
+    @property
+    def baddeley_m(self) -> float:
+        """Baddeley's distance of the walls, metres, see `ShapeCounts`; 0 for equal walls."""
+        return math.nan if self.shapes is None else self.shapes.baddeley_m
+
+    @property
+    def image_dissimilarity(self) -> float:
+        """Image similarity of Birk and Carpin (2006), 0 for equal pictures, in cells."""
+        return math.nan if self.shapes is None else self.shapes.dissimilarity
 
     @property
     def calibration_error(self) -> float:
@@ -251,12 +291,17 @@ class MapScore:
             "skill_ceiling",
             "recalibrated_skill",
             "average_precision",
+            "tolerant_average_precision",
             "calibration_error",
             "brier",
             "correlation",
             "coverage",
             "false_free_m2",
             "phantom_m2",
+            "wall_gap_m",
+            "thickness_m",
+            "baddeley_m",
+            "image_dissimilarity",
             "map_to_truth_m",
             "truth_to_map_m",
         ):
@@ -265,8 +310,8 @@ class MapScore:
             **{name: value if math.isfinite(value) else None for name, value in scores.items()},
             "counts": {
                 name: value if not isinstance(value, float) or math.isfinite(value) else None
-                for name, value in asdict(replace(self, probabilities=None)).items()
-                if name != "probabilities"
+                for name, value in asdict(replace(self, probabilities=None, shapes=None)).items()
+                if name not in ("probabilities", "shapes")
             },
         }
 
@@ -327,6 +372,7 @@ def score_map(
         )
         for tolerance_m in (m.grid.resolution_m, *TOLERANCES_M)
     )
+    shapes = ShapeCounts.of(p, occupied_map, free_map, occupied_truth, scored, m.grid.resolution_m)
     p, g = p[scored], occupied_truth[scored]
     occupied, free = occupied_map[scored], free_map[scored]
     clamped = p.clip(CLAMP, 1 - CLAMP)
@@ -347,6 +393,7 @@ def score_map(
         truth_distance_m=float(to_map_m.sum()),
         tolerances=tolerances,
         probabilities=ProbabilityCounts.of(p, g),
+        shapes=shapes,
     )
 
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 
-__all__ = ["CLAMP", "ProbabilityCounts", "Reliability", "log_loss_bits"]
+__all__ = ["CLAMP", "ProbabilityCounts", "Reliability", "class_of", "log_loss_bits"]
 
 CLAMP = 0.01
 """Every method's probabilities are clamped alike, or one confident error would cost infinitely
@@ -58,6 +59,9 @@ class ProbabilityCounts:
         own share of occupied cells, clamped. Of several rooms the sum of their sheets' losses.
     """
 
+    CLASSES: ClassVar[int] = _CLASSES
+    """How many classes there are."""
+
     free: NDArray[np.int64]
     occupied: NDArray[np.int64]
     stated: NDArray[np.float64]
@@ -66,10 +70,7 @@ class ProbabilityCounts:
     @classmethod
     def of(cls, p: NDArray[np.float64], occupied: NDArray[np.bool_]) -> ProbabilityCounts:
         """Return the counts of cells with their P(occupied) and their truth, shape (n,)."""
-        with np.errstate(divide="ignore"):
-            log_odds = np.log(p) - np.log1p(-p)
-        place = (np.clip(log_odds, -_WIDEST, _WIDEST) + _WIDEST) / _WIDTH
-        of_cell = np.minimum(place.astype(np.int64), _CLASSES - 1)
+        of_cell = class_of(p)
         return cls(
             np.bincount(of_cell[~occupied], minlength=_CLASSES),
             np.bincount(of_cell[occupied], minlength=_CLASSES),
@@ -165,6 +166,15 @@ class ProbabilityCounts:
         share = self.occupied[some] / cells[some]
         best = isotonic_regression(share, weights=cells[some].astype(float)).x
         return log_loss_bits(best, self.occupied[some], self.free[some])
+
+
+def class_of(p: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return the class of each P(occupied), 0 to 1399."""
+    with np.errstate(divide="ignore"):
+        log_odds = np.log(p) - np.log1p(-p)
+    place = (np.clip(log_odds, -_WIDEST, _WIDEST) + _WIDEST) / _WIDTH
+    classes: NDArray[np.int64] = np.minimum(place.astype(np.int64), _CLASSES - 1)
+    return classes
 
 
 def log_loss_bits(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -28,6 +27,7 @@ from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.firing import AllAtOnce, Slot, check_firing, pings
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, LogTruth, SonarLog
+from sonarmap.cores import usable_cores
 from worlds import Pose, World
 
 __all__ = ["BatchDrive", "is_compiled", "simulate_batch"]
@@ -89,7 +89,7 @@ def simulate_batch(
     InputError
         If a drive cannot be compiled, see `is_compiled`, or an argument breaks its rule.
     """
-    threads = _cores() if workers is None else workers
+    threads = usable_cores() if workers is None else workers
     if threads < 1:
         raise InputError(f"workers must be >= 1, got {workers!r}")
     if threads == 1:
@@ -271,11 +271,3 @@ def _exact_cone(sonar: Sonar) -> CompiledCone | None:
         return None
     together = (Slot(0.0, tuple(range(k))),)
     return cone if sonar.firing.slots(0, k) == together else None
-
-
-def _cores() -> int:
-    """Return how many cores this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on every system
-        return os.cpu_count() or 1

@@ -77,7 +77,8 @@ class PhysicalSonar:
     search : {"auto", "images", "rays"}
         How the sounds that come back are found. "images": they are counted from the room's faces,
         exactly; needs an engine that knows them, as `segments` does. "rays": fans of rays find the
-        faces that they meet; any engine casts rays. "auto": images where the faces are known.
+        faces that they meet; any engine casts rays. "auto", the default: images where the faces
+        are known.
     sound_life_s : float
         A sound is forgotten this long after it was sent, seconds, > 0. Default: two slots of
         40 ms, so that a sonar detects what the one before it sent.
@@ -97,7 +98,7 @@ class PhysicalSonar:
     ray_step_rad: float = math.radians(1.0)
     sound_life_s: float = 0.080
     interferers: tuple[Interferer, ...] = ()
-    search: str = "rays"
+    search: str = "auto"
     beacons: InitVar[tuple[Interferer, ...] | None] = None
 
     def __post_init__(self, beacons: tuple[Interferer, ...] | None) -> None:

@@ -11,6 +11,7 @@ from support import make_log
 
 import sonarmap as sm
 from sonarbed.cli import main
+from sonarbed.compiling import LINE
 from sonarbed.encoding import plain_where_needed
 
 
@@ -167,19 +168,19 @@ SCRIPTS = {
     "without a main guard": """
 import sim, worlds
 sim.simulate_many(worlds.load("thesis-exp1"), "logs", seeds=range(2), jobs=2, scans=2,
-                  sonar="aria", engine="segments")
+                  sonar="webots", engine="segments")
 """,
     "with one": """
 import sim, worlds
 if __name__ == "__main__":
     sim.simulate_many(worlds.load("thesis-exp1"), "logs", seeds=range(2), jobs=2, scans=2,
-                      sonar="aria", engine="segments")
+                      sonar="webots", engine="segments")
 """,
     "in a worker of a pool": """
 import multiprocessing, sim, worlds
 def work(folder):
     sim.simulate_many(worlds.load("thesis-exp1"), folder, seeds=range(2), jobs=2, scans=2,
-                      sonar="aria", engine="segments")
+                      sonar="webots", engine="segments")
 if __name__ == "__main__":
     with multiprocessing.get_context("CONTEXT").Pool(1) as pool:
         pool.map(work, ["logs"])
@@ -254,6 +255,9 @@ def test_many_processes_begin_at_once_with_an_empty_cache(tmp_path):
         )
         for number in range(4)
     ]
-    assert [(command.communicate()[1], command.returncode) for command in commands] == [("", 0)] * 4
+    # A busy machine may compile for so long that it is said.
+    told = [(command.communicate()[1], command.returncode) for command in commands]
+    said = f"sonarbed: {LINE}\n"
+    assert [(error.replace(said, ""), code) for error, code in told] == [("", 0)] * 4
     maps = {(tmp_path / f"map-{number}" / "map.pgm").read_bytes() for number in range(4)}
     assert len(maps) == 1

@@ -12,6 +12,7 @@ import sim  # noqa: F401  registers the environments
 from sim.envs import threads
 from sim.envs.registration import IDS
 from sonarmap import InputError
+from sonarmap import cores as counting
 
 OPTIONS = {"world": ["office", "clutter"], "map_patch": 16}
 
@@ -87,7 +88,7 @@ def test_so_are_other_settings(setting, monkeypatch):
     ],
 )
 def test_a_container_has_its_share_of_the_cores(files, cores, tmp_path, monkeypatch):
-    monkeypatch.setattr(threads, "_CGROUP", tmp_path)
+    monkeypatch.setattr(counting, "_CGROUP", tmp_path)
     monkeypatch.setattr("os.sched_getaffinity", lambda pid: range(64), raising=False)
     monkeypatch.setattr("os.cpu_count", lambda: 64)
     for name, text in files.items():
