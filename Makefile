@@ -7,7 +7,7 @@ RL_STAMP := $(VENV)/.installed-rl
 # Any PyTorch that Stable-Baselines3 takes will do, on the CPU or not.
 TORCH ?= torch==2.13.0
 
-.PHONY: demo test test-rl test-bare test-lowest test-newest check format bench clean
+.PHONY: demo test test-rl test-train test-bare test-lowest test-newest check format bench clean
 
 demo: $(STAMP)
 	$(BIN)/sonarbed demo --out demo
@@ -17,6 +17,10 @@ test: $(STAMP)
 
 test-rl: $(RL_STAMP)
 	$(BIN)/pytest tests/rl
+
+# The training of the learned mapper, as small as can be.
+test-train: $(RL_STAMP)
+	$(BIN)/pytest tests/train
 
 # Commands from a wheel that may only be read, for a user without home, display or UTF-8.
 test-bare: $(STAMP)

@@ -28,6 +28,7 @@ METHODS: Registry[Any] = Registry(
         "fuzzy": "sonarmap.methods.fuzzy:Fuzzy",
         "himm": "sonarmap.methods.himm:Himm",
         "konolige-style": "sonarmap.methods.konolige:KonoligeStyle",
+        "learned": "sonarmap.methods.learned:Learned",
         "moravec-elfes": "sonarmap.methods.moravec_elfes:MoravecElfes",
         "nav2-range": "sonarmap.methods.nav2_range:Nav2Range",
         "sheet": "sonarmap.methods.sheet:Sheet",
@@ -42,6 +43,7 @@ FILTERS: Registry[Any] = Registry(
     "sonarbed.filters",
     {
         "conflict-evaluation-style": "sonarmap.filters.conflict_evaluation:ConflictEvaluationStyle",
+        "consistency": "sonarmap.filters.consistency:Consistency",
         "eeruf": "sonarmap.filters.eeruf:EerufTest",
         "gamma-variance": "sonarmap.filters.gamma_variance:GammaVariance",
         "hsr": "sonarmap.filters.hsr:Hsr",

@@ -329,9 +329,10 @@ def show_truth(axes: Axes, truth: worlds.TruthGrid, observable: NDArray[np.bool_
 
 
 def show_map(axes: Axes, built: sm.OccupancyMap) -> None:
-    """Show P(occupied) in grey on axes that become a plan: black is occupied."""
+    """Show P(occupied) in grey on axes that become a plan: black is occupied, grey not observed."""
+    p, observed = built.probability, built.observed
     axes.imshow(
-        built.probability,
+        p if observed is None else np.where(observed, p, 0.5),
         cmap="Greys",
         vmin=0,
         vmax=1,

@@ -65,7 +65,7 @@ class TestEveryMethod:
         for rows in (slice(0, 1), slice(1, 7), slice(7, 7), slice(7, 60)):
             state.add(log.select(rows))
         assert state.map.probability.tobytes() == method.map(log, GRID).probability.tobytes()
-        assert (early.probability == 0.5).all()  # later readings do not change it
+        assert np.unique(early.probability).size == 1  # later readings do not change it
         with pytest.raises(sm.InputError, match="readings must be of the ring 'three', got 'one'"):
             state.add(make_log(1.0, ring=ONE))
 

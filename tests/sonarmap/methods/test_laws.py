@@ -14,8 +14,12 @@ GRID = sm.GridSpec(0.1, (-2.5, -2.5), (50, 50))
 NAMES = list(sm.methods())
 SEEDED = ["thrun-forward"]
 
-# What a reading says depends on the map so far.
-IN_ORDER = {"himm", "konolige-style", "nav2-range", "tbf"}
+# What a reading says depends on the map so far; for "learned", on the way driven so far.
+IN_ORDER = {"himm", "konolige-style", "learned", "nav2-range", "tbf"}
+# A network's forms do not turn to the last digit: see test_learned.
+NEARLY_TURNING = {"learned"}
+# In single precision.
+ROUGHLY = {"learned": 1e-4}
 # Region 2 of the standard model says "occupied" in its corners (thesis, section 5.1).
 STANDARD_MODEL = {"bayes-standard", "dempster-shafer"}
 COLUMNS = ("sonar", "x_m", "y_m", "heading_rad", "range_m", "stale", "rejected")
@@ -48,6 +52,8 @@ def test_the_order_of_the_readings_does_not_matter(name, rng):
 def test_a_quarter_turn_of_the_log_turns_the_map(name, quarters, rng):
     if name in SEEDED:
         pytest.skip("climbs from seeded starts, which do not turn with the log")
+    if name in NEARLY_TURNING:
+        pytest.skip("turns nearly, which has a test of its own")
     log = random_log(rng, 60)
     p = probability(name, turned(log, quarters * math.pi / 2))
     # numpy turns an image, whose rows grow downwards: counter-clockwise there is clockwise here.
@@ -58,6 +64,8 @@ def test_a_quarter_turn_of_the_log_turns_the_map(name, quarters, rng):
 def test_a_mirrored_log_gives_the_mirrored_map(name, rng):
     if name in SEEDED:
         pytest.skip("climbs from seeded starts, which are not mirrored with the log")
+    if name in NEARLY_TURNING:
+        pytest.skip("is mirrored nearly, which has a test of its own")
     log = random_log(rng, 60)
     fields = THREE.to_dict()
     for column in ("y_m", "heading_rad"):
@@ -72,7 +80,8 @@ def test_a_mirrored_log_gives_the_mirrored_map(name, rng):
 def test_whole_turns_of_the_heading_change_nothing(name, rng):
     log = random_log(rng, 40)
     further = log.replace(heading_rad=log.heading_rad + 2 * math.pi * rng.integers(-3, 4, 40))
-    np.testing.assert_allclose(probability(name, further), probability(name, log), atol=1e-9)
+    tolerance = ROUGHLY.get(name, 1e-9)
+    np.testing.assert_allclose(probability(name, further), probability(name, log), atol=tolerance)
 
 
 @pytest.mark.parametrize("name", NAMES)

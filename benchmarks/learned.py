@@ -1,0 +1,159 @@
+"""The learned mapper and its filter in rooms that were never trained on, beside what is wanted.
+
+Two drives of 400 scans in each of the eight rooms that ship, physical sonar, poses by odometry.
+"""
+
+import math
+from functools import reduce
+from operator import add
+from time import process_time
+
+import numpy as np
+
+import sonarmap as sm
+import worlds
+from sim import simulate
+from sim.sonar.presets import PHYSICAL
+from sonarmap.learned.weights import SHIPPED
+
+SEEDS, SCANS = (0, 1), 400
+SONAR = PHYSICAL.replace(search="images")
+THESIS = sm.method("bayes-parameterized")
+METHODS = {
+    "thesis's model": THESIS,
+    "thesis's model + HSR": sm.Pipeline([sm.filter("hsr")], THESIS),
+    "arc-competition": sm.method("arc-competition"),
+    "learned": sm.method("learned"),
+    "learned, mended": sm.Pipeline([sm.filter("consistency", mode="mend")], sm.method("learned")),
+}
+
+
+def main() -> None:
+    drives = {
+        room: [
+            simulate(worlds.load(room), scans=SCANS, seed=seed, sonar=SONAR, engine="segments")
+            for seed in SEEDS
+        ]
+        for room in worlds.names()
+    }
+    truths = {room: worlds.truth(worlds.load(room)) for room in drives}
+    for name, method in METHODS.items():
+        wanted = name == "learned"
+        scores = scored(method, drives, truths)
+        pooled = reduce(add, scores.values())
+        skills = {room: score.skill for room, score in scores.items()}
+        bits = float(np.mean([score.map_score for score in scores.values()]))
+        show(f"{name}: bits a cell, mean of rooms", bits, "0.87" if wanted else None)
+        show(f"{name}: skill, pooled", pooled.skill, "0.50" if wanted else None)
+        mean, worst = float(np.mean(list(skills.values()))), min(skills.values())
+        show(f"{name}: skill, mean of rooms", mean, "0.55" if wanted else None)
+        show(f"{name}: skill, worst room", worst, "0.25" if wanted else None)
+        show(f"{name}: F1 within 10 cm", pooled.f1(1), "0.90" if wanted else None)
+        error = pooled.calibration_error
+        show(f"{name}: calibration error", error, "0.010" if wanted else None)
+        if wanted:
+            rooms = ", ".join(f"{room} {skill:.2f}" for room, skill in skills.items())
+            print(f"learned, {name}: skill by room: {rooms}")
+            true = scored(method, at_true_poses(drives), truths)
+            pooled = reduce(add, true.values())
+            bits = float(np.mean([score.map_score for score in true.values()]))
+            show("true poses: bits a cell, mean of rooms", bits, None)
+            show("true poses: F1 within 10 cm", pooled.f1(1), "0.94")
+    readings(drives)
+    one_at_a_time(drives)
+    show("time for 500 scans in office, s", timed(), "0.2")
+    show("size of the weights, MB", SHIPPED.stat().st_size / 1e6, "under 1")
+
+
+def scored(method, drives, truths):
+    """Return the scores by room, the drives of a room added up."""
+    return {
+        room: reduce(
+            add,
+            (
+                sm.score_map(
+                    method.map(log, truths[room].grid),
+                    truths[room],
+                    observable=truths[room].observable(log),
+                )
+                for log in logs
+            ),
+        )
+        for room, logs in drives.items()
+    }
+
+
+def at_true_poses(drives):
+    return {room: [log.at_true_poses() for log in logs] for room, logs in drives.items()}
+
+
+def readings(drives) -> None:
+    """Print how the filter does, pooled over all readings."""
+    logs = [log for some in drives.values() for log in some]
+    mend, reject = (sm.filter("consistency", mode=mode) for mode in ("mend", "reject"))
+    score = reduce(add, (sm.score_readings(log, mend.apply(log)) for log in logs))
+    show("wrong readings: area under ROC", score.roc_auc, "0.998")
+    show("caught while 1 % of right ones are lost", score.caught_at_lost_1_percent, "0.96")
+    threshold = np.quantile(score.doubt[~score.is_wrong], 0.99)
+    caught = score.is_wrong & (score.doubt > threshold)
+    mended = score.is_mended & caught
+    near = mended.sum() / (caught & score.updated).sum()
+    show("of these, if mended, to within 10 cm of truth", near, "0.95")
+    show("of these, mended to within 10 cm, the others rejected", mended.sum() / caught.sum(), None)
+    show("spoiled_share at the filter's own threshold", score.spoiled_share, "0.005")
+    rejected = reduce(add, (sm.score_readings(log, reject.apply(log)) for log in logs))
+    show("rejected of the wrong at its own threshold", rejected.caught_share, None)
+    show("rejected of the right at its own threshold", rejected.lost_share, None)
+    hsr = reduce(add, (sm.score_readings(log, sm.filter("hsr").apply(log)) for log in logs))
+    show("HSR: of the wrong ones updated, mended", hsr.mended / max(hsr.wrong_updated, 1), None)
+    show("HSR: spoiled_share", hsr.spoiled_share, None)
+
+
+def one_at_a_time(drives) -> None:
+    """Print what a reading costs as the robot drives, and what judging by the past alone loses."""
+    seconds, past, whole = [], [], []
+    for room in ("clutter", "corridor", "office", "thesis-exp2"):
+        log = drives[room][0].select(slice(8 * 200))
+        grid = sm.grid_over(log)
+        state = sm.method("learned").begin(log.ring, grid)
+        judge = sm.filter("consistency", mode="doubt")
+        causal = judge.begin(log.ring, grid)
+        doubts = []
+        for row in range(len(log)):
+            reading = log.select(slice(row, row + 1))
+            begin = process_time()
+            state.add(reading)
+            state.map  # noqa: B018 - it is made, or not, when it is asked for
+            seconds.append(process_time() - begin)
+            if row % 8 == 0:
+                doubts.append(causal.add(log.select(slice(row, row + 8))).doubt)
+        past.append(sm.score_readings(log, log.replace(doubt=np.concatenate(doubts))))
+        whole.append(sm.score_readings(log, judge.apply(log)))
+    show("a reading and its map as the robot drives, median ms", 1e3 * np.median(seconds), "10")
+    show("the same, mean ms", 1e3 * np.mean(seconds), None)
+    for what, scores in (("past alone", past), ("whole log", whole)):
+        score = reduce(add, scores)
+        show(f"readings judged by the {what}: area under ROC", score.roc_auc, None)
+        share = score.caught_at_lost_1_percent
+        show(f"readings judged by the {what}: caught at 1 % lost", share, None)
+
+
+def timed() -> float:
+    """Return processor time of a map, channels included, warm, seconds."""
+    log = simulate(worlds.load("office"), scans=500, seed=9, sonar=SONAR, engine="segments")
+    grid, method = worlds.truth(worlds.load("office")).grid, sm.method("learned")
+    method.map(log, grid)
+    seconds = math.inf
+    for _ in range(5):
+        begin = process_time()
+        method.map(log, grid)
+        seconds = min(seconds, process_time() - begin)
+    return seconds
+
+
+def show(what: str, value: float, wanted: str | None) -> None:
+    print(f"learned, {what}: {value:.4g}" + (f" (wanted {wanted})" if wanted else ""))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What `scripts/train_mapper.py` is made of: data, network, calibration, filter, weights, card."""
