@@ -11,7 +11,16 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from sonarmap.errors import InputError, did_you_mean, finite
 
-__all__ = ["Choice", "Real", "Space", "Whole", "at_point", "from_text", "with_parameters"]
+__all__ = [
+    "Choice",
+    "Real",
+    "Space",
+    "Whole",
+    "at_point",
+    "from_text",
+    "replaced",
+    "with_parameters",
+]
 
 Part = TypeVar("Part")
 
@@ -108,6 +117,15 @@ def at_point(part: type[Part], point: Mapping[str, Any]) -> Part:
     """
     at = getattr(part, "at", None)
     return part(**point) if at is None else at(point)
+
+
+def replaced(kind: str, part: Part, parameters: Mapping[str, Any]) -> Part:
+    """Return a frozen dataclass with some fields replaced, checked as `with_parameters` does."""
+    known = [each.name for each in dataclasses.fields(part) if each.init]  # type: ignore[arg-type]
+    for name in parameters:
+        if name not in known:
+            raise InputError(f"{kind} has no parameter {name!r}{did_you_mean(name, known)}")
+    return dataclasses.replace(part, **parameters)  # type: ignore[type-var]
 
 
 def from_text(kind: str, part: type, settings: Mapping[str, str]) -> dict[str, Any]:

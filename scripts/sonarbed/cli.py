@@ -12,6 +12,7 @@ import typer
 from typer.exceptions import TyperException
 
 from sonarbed.commands.acoustics import acoustics
+from sonarbed.commands.arena import arena
 from sonarbed.commands.dataset import dataset
 from sonarbed.commands.demo import demo
 from sonarbed.commands.exporting import export
@@ -59,6 +60,7 @@ app.command("map")(map_)
 app.command()(score)
 app.command()(replay)
 app.command()(dataset)
+app.command()(arena)
 app.command()(tune)
 app.command()(thesis)
 app.command()(acoustics)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from sonarmap.catalogue import FILTERS
-from sonarmap.errors import InputError
+from sonarmap.errors import InputError, flag
 from sonarmap.filters.protocol import Filtered, ReadingFilter
 from sonarmap.log import SonarLog
-from sonarmap.parameters import Space, with_parameters
+from sonarmap.parameters import Space, at_point, replaced, with_parameters
+from sonarmap.tuned import tuned_point
 
 __all__ = ["FunctionFilter", "as_filter", "filter", "filters"]
 
@@ -20,7 +21,9 @@ def filters() -> Mapping[str, type[ReadingFilter]]:
     return FILTERS
 
 
-def filter(name: str, **parameters: Any) -> ReadingFilter:  # noqa: A001 - the field's word
+def filter(  # noqa: A001 - the field's word
+    name: str, *, tuned: bool = False, **parameters: Any
+) -> ReadingFilter:
     """Return the reading filter called `name` with parameters.
 
     Parameters
@@ -28,15 +31,22 @@ def filter(name: str, **parameters: Any) -> ReadingFilter:  # noqa: A001 - the f
     name : str
         A name of `filters`, or ``package.module:Name`` of a class, an instance or a function
         ``(log) -> Filtered or SonarLog``.
+    tuned : bool
+        Whether parameters have the values of the tuning that ships (`sonarbed arena --tune`, on
+        generated rooms) in place of the paper's.
     **parameters
-        Fields of the filter's dataclass; the others have their defaults.
+        Fields of the filter's dataclass; the others have their defaults, or tuned values.
 
     Raises
     ------
     InputError
-        If there is no such filter or parameter, or a value breaks its rule.
+        If there is no such filter or parameter, a value breaks its rule, or it was not tuned.
     """
-    return as_filter(FILTERS.find(name), label=name, **parameters)
+    part = FILTERS.find(name)
+    if not flag("tuned", tuned):
+        return as_filter(part, label=name, **parameters)
+    made: ReadingFilter = at_point(part, tuned_point("filter", name))
+    return replaced(f"filter {name!r}", made, parameters) if parameters else made
 
 
 def as_filter(part: Any, *, label: str | None = None, **parameters: Any) -> ReadingFilter:

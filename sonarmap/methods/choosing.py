@@ -13,8 +13,10 @@ from sonarmap.errors import InputError
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.methods.protocol import MappingMethod
+from sonarmap.methods.recalibrated import Recalibrated
 from sonarmap.occupancy import OccupancyMap
-from sonarmap.parameters import Space, with_parameters
+from sonarmap.parameters import Space, at_point, replaced, with_parameters
+from sonarmap.tuned import Tuning, logistic_of, tuned_point
 
 __all__ = ["FunctionMethod", "as_method", "method", "methods"]
 
@@ -26,7 +28,7 @@ def methods() -> Mapping[str, type[MappingMethod]]:
     return METHODS
 
 
-def method(name: str, **parameters: Any) -> MappingMethod:
+def method(name: str, *, tuned: Tuning = False, **parameters: Any) -> MappingMethod:
     """Return the mapping method called `name` with parameters.
 
     Parameters
@@ -34,15 +36,27 @@ def method(name: str, **parameters: Any) -> MappingMethod:
     name : str
         A name of `methods`, or ``package.module:Name`` of a class, an instance or a function
         ``(log, grid) -> array of P(occupied)``.
+    tuned : bool or "logistic"
+        False: parameters have the paper's values. True: those of the tuning that ships
+        (`sonarbed arena --tune`, on generated rooms). "logistic": these, and a logistic of two
+        numbers after them, fitted on the same rooms.
     **parameters
-        Fields of the method's dataclass; the others have their defaults.
+        Fields of the method's dataclass; the others have their defaults, or tuned values.
 
     Raises
     ------
     InputError
-        If there is no such method or parameter, or a value breaks its rule.
+        If there is no such method or parameter, a value breaks its rule, or it was not tuned.
     """
-    return as_method(METHODS.find(name), label=name, **parameters)
+    if tuned not in (False, True, "logistic"):
+        raise InputError(f"tuned must be False, True or 'logistic', got {tuned!r}")
+    part = METHODS.find(name)
+    if tuned is False:
+        return as_method(part, label=name, **parameters)
+    made = at_point(part, tuned_point("method", name))
+    if parameters:
+        made = replaced(f"method {name!r}", made, parameters)
+    return made if tuned is True else Recalibrated(made, *logistic_of(name))
 
 
 def as_method(part: Any, *, label: str | None = None, **parameters: Any) -> MappingMethod:

@@ -31,8 +31,11 @@ def tune(
         str, typer.Option(help="grid (the thesis's 1440 sets), nsga2 (genetic), tpe or cmaes.")
     ] = "tpe",
     score: Annotated[
-        str, typer.Option(help="map_score, f1_10_cm or brier, over observable cells.")
-    ] = "map_score",
+        str,
+        typer.Option(
+            help="skill, map_score, average_precision, f1_10_cm or brier, over observable cells."
+        ),
+    ] = "skill",
     train: Annotated[
         str, typer.Option(metavar="ROOM,...", help="Rooms to tune on.")
     ] = "thesis-exp1,thesis-exp2,office",

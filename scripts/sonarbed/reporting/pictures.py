@@ -172,13 +172,14 @@ def draw_demo(
     truth: worlds.TruthGrid,
     observable: NDArray[np.bool_],
     maps: Mapping[str, sm.OccupancyMap],
-    rows: Sequence[Sequence[str]],
+    table: tuple[Sequence[str], Sequence[Sequence[str]]],
     path: Path,
     notes: Sequence[str] = (),
 ) -> None:
     """Draw the room, its data points by cause, the truth beside three maps, and the scores.
 
-    `notes` stand below the title: what became of the readings.
+    `table` has the names of what is scored and the rows of the scores; `notes` stand below the
+    title: what became of the readings.
     """
     figure = Figure(figsize=(18, 9), layout="constrained")
     title = f"{world.title}: {len(log)} readings of {len(log.ring)} sonars"
@@ -200,7 +201,8 @@ def draw_demo(
     points.set_title("data points by cause (strokes: no echo)")
     _legend_below(points)
 
-    _table(panels["table"], ["", *maps], rows)
+    names, rows = table
+    _table(panels["table"], ["", *names], rows)
 
     show_truth(true, truth, observable)
     true.set_title("truth (light: never observable)")

@@ -10,16 +10,18 @@ import sim
 import sonarmap as sm
 import worlds
 from sonarbed.cli import main
+from sonarbed.commands import demo
 from sonarbed.console import score_rows
 from sonarmap.account import account_by
 
 pytestmark = pytest.mark.engine
 
+BEST = demo._BEST
 # The demo's maps: the folder, the name in the scores.
 DEMO_MAPS = {
-    "standard": "standard",
     "parameterized": "parameterized",
     "parameterized-hsr": "parameterized + HSR",
+    BEST: BEST,
 }
 
 
@@ -150,13 +152,14 @@ def test_demo_writes_the_files_it_promises(run, tmp_path):
     assert files == {*logs, "truth.npz", "scores.json", "demo.png", *maps}
     assert is_a_picture(folder / "demo.png")
 
-    world = worlds.load("thesis-exp1")
+    world = worlds.load("office")
     log = sm.read_log(folder / "log.parquet")
-    sim.simulate(world, scans=12, seed=2, sonar="thesis").write("again.parquet")
+    sim.simulate(world, scans=12, seed=2).write("again.parquet")
     assert (folder / "log.parquet").read_bytes() == (tmp_path / "again.parquet").read_bytes()
     scores = json.loads((folder / "scores.json").read_text())
-    assert list(scores) == sorted(DEMO_MAPS.values())
-    mended = sm.hsr(log, sm.HsrParams.thesis()).log
+    assert list(scores) == sorted([*DEMO_MAPS.values(), "blank sheet"])
+    assert scores["blank sheet"]["skill"] == pytest.approx(0, abs=1e-9)
+    mended = sm.filter("hsr").apply(log).log
     np.testing.assert_array_equal(sm.read_log(folder / "log-hsr.parquet").range_m, mended.range_m)
     truth = worlds.truth(world)
     with np.load(folder / "truth.npz") as saved:

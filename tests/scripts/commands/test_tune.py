@@ -140,7 +140,7 @@ def test_a_search_says_over_what_its_numbers_are(folder, run, seeds, title):
         ("training", "thesis-exp1", "Tuned on"),
         ("judged", "l-shape", "Judged on"),
     ):
-        assert f"{words}: map_score ({title})" in shown
+        assert f"{words}: skill ({title})" in shown
         readings = told["readings"][part]
         assert readings["drives"] == seeds
         assert readings["in_log"] == 8 * 6 * seeds
@@ -177,7 +177,7 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
             mended = log if hsr is None else sm.filter("hsr", **asdict(hsr)).apply(log).log
             built = sm.build_map(mended, model, truth.grid, max_range_m=2.0)
             score = sm.score_map(built, truth, observable=truth.observable(log))
-            direct[name].append(score.map_score)
+            direct[name].append(score.skill)
     judged = told["judged"]["l-shape"]
     for name, scores in direct.items():
         assert judged["scores"][name]["by_seed"] == scores
@@ -199,7 +199,7 @@ def test_judged_scores_equal_a_direct_computation(folder, run, tmp_path):
     ("options", "complaint"),
     [
         ("--target hsr", "study 'tune' in sqlite:////.* was made with target 'model', asked for"),
-        ("--score brier", "was made with score 'map_score', asked for 'brier'"),
+        ("--score brier", "was made with score 'skill', asked for 'brier'"),
         ("--sampler nsga2", "was made with sampler 'tpe', asked for 'nsga2'"),
         ("--model standard", "was made with model 'parameterized', asked for 'standard'"),
         ("--train office", r"was made with train \['thesis-exp1'\], asked for \['office'\]"),

@@ -11,7 +11,15 @@ from sonarbed.studies.tuning.space import Candidate
 __all__ = ["SCORES", "score_candidate"]
 
 # Scores by name, and whether a higher one is better.
-SCORES = MappingProxyType({"map_score": True, "f1_10_cm": True, "brier": False})
+SCORES = MappingProxyType(
+    {
+        "skill": True,
+        "map_score": True,
+        "average_precision": True,
+        "f1_10_cm": True,
+        "brier": False,
+    }
+)
 _TEN_CM = 1  # index of the tolerance
 
 

@@ -34,7 +34,7 @@ class TuneSettings:
     sampler : str
         "grid" (the thesis's 1440 sets), "nsga2", "tpe" or "cmaes".
     score : str
-        "map_score", "f1_10_cm" or "brier", over observable cells.
+        A name of `SCORES`, over observable cells.
     train : tuple of str
         Rooms whose drives are scored.
     seeds : int

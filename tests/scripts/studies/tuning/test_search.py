@@ -77,13 +77,15 @@ def test_every_sampler_searches_everything(folder, sampler, monkeypatch):
     assert len(set(points(found))) == 8
     best = found.best
     again = [
-        score_candidate(best.candidate, search.drives.scorable(spec), "map_score")
+        score_candidate(best.candidate, search.drives.scorable(spec), "skill")
         for spec in search.settings.drives(["thesis-exp1"])
     ]
     assert best.score == pytest.approx(np.mean(again), abs=1e-12)
 
 
-@pytest.mark.parametrize(("score", "pick"), [("brier", min), ("f1_10_cm", max)])
+@pytest.mark.parametrize(
+    ("score", "pick"), [("brier", min), ("f1_10_cm", max), ("average_precision", max)]
+)
 def test_the_best_is_the_best_of_its_score(folder, score, pick):
     found = find(search_in(folder, score=score), trials=4, on_progress=ignore)
     assert found.best.score == pick(trial.score for trial in found.trials)
