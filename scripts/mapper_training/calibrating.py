@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import sonarmap as sm
 import worlds
 from mapper_training.examples import CELL_M, Example
-from sonarmap.learned.mapping import logits_on
+from sonarmap.learned.mapping import cells_of, logits_on
 from sonarmap.learned.weights import Calibration, Weights
 from worlds import HIDDEN, OCCUPIED
 
@@ -136,9 +136,8 @@ def _map_of(
     weights: Weights, drive: Drive, resolution_m: float
 ) -> tuple[worlds.TruthGrid, NDArray[np.bool_], NDArray[np.float64]]:
     truth = worlds.truth(drive.world, resolution_m=resolution_m)
-    logit = logits_on(weights, drive.log, truth.grid)[0]
-    calibration = weights.calibration(resolution_m / CELL_M)
-    return truth, truth.observable(drive.log), calibration.probability(logit)
+    cells = cells_of(weights, logits_on(weights, drive.log, truth.grid), truth.grid)
+    return truth, truth.observable(drive.log), cells.probability
 
 
 def _scored(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from sim.datasets import make_dataset, parse_spec
+from sonarmap.errors import whole
 from sonarmap.files import make_folder
 
 __all__ = ["GROUPS", "STYLES", "make_logs"]
@@ -86,10 +87,11 @@ def make_logs(folder: Path, *, rooms: int, seed: int, workers: int) -> list[Path
     rooms : int
         How many rooms, about; one log each.
     seed : int
-        Of rooms, drives and rings.
+        Of rooms, drives and rings, 0 to 8: rooms from a million on are the arena's.
     workers : int
         Processes.
     """
+    whole("seed", seed, least=0, most=8)
     _write_rings(make_folder(folder / "rings"), seed)
     made = []
     for number, (name, (share, logs)) in enumerate(GROUPS.items()):

@@ -17,16 +17,17 @@ from numpy.typing import NDArray
 from sonarmap.grid import GridSpec
 from sonarmap.learned.channels import channels, telling
 from sonarmap.learned.network import logits
-from sonarmap.learned.weights import Weights
+from sonarmap.learned.weights import Calibration, Weights
 from sonarmap.log import SonarLog
 
-__all__ = ["CELL_M", "LearnedCells", "learned_cells", "logits_on"]
+__all__ = ["CELL_M", "LearnedCells", "cells_of", "learned_cells", "logits_on"]
 
 CELL_M = 0.05
 """Side of the cells that the network was fitted to, metres."""
 _MARGIN = 8
-# A cell counts as observed from here on.
-_OBSERVED_LOGIT = 0.0
+# Probabilities that a cell was observed from which on it counts so, and up to which it hardly was.
+# The first is even odds; the second, chosen on a shipped room, keeps maps turning with their logs.
+_OBSERVED, _HARDLY = 0.5, 0.125
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +51,19 @@ def learned_cells(weights: Weights, log: SonarLog, grid: GridSpec) -> LearnedCel
     told = telling(log)
     if not len(told):
         return LearnedCells(np.full(grid.shape, weights.share), np.zeros(grid.shape, bool))
-    stack = logits_on(weights, told, grid)
-    calibration = weights.calibration(grid.resolution_m / CELL_M)
-    return LearnedCells(calibration.probability(stack[0]), stack[1] > _OBSERVED_LOGIT)
+    return cells_of(weights, logits_on(weights, told, grid), grid)
+
+
+def cells_of(weights: Weights, stack: NDArray[np.float32], grid: GridSpec) -> LearnedCells:
+    """Return cells from their two logits, see `logits_on`.
+
+    Where a cell hardly was observed, what the network makes of it is its fancy, which does not even
+    turn with the log: the less likely, the nearer P is to the share of walls among such cells.
+    """
+    p = weights.calibration(grid.resolution_m / CELL_M).probability(stack[0])
+    observed = Calibration().probability(stack[1])
+    known = np.minimum(observed / _HARDLY, 1.0)
+    return LearnedCells(known * p + (1 - known) * weights.share, observed > _OBSERVED)
 
 
 def logits_on(weights: Weights, log: SonarLog, grid: GridSpec) -> NDArray[np.float32]:
