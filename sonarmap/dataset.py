@@ -151,8 +151,9 @@ class SonarDataset(Sequence[dict[str, NDArray[Any]]]):
         import pyarrow.parquet as pq
 
         try:
-            with _opened(f"{self.location}/{_MANIFEST}") as file:
-                table = pq.read_table(file, columns=["file", "split", "readings"])
+            with _opened(f"{self.location}/{_MANIFEST}") as opened, pq.ParquetFile(opened) as file:
+                # Not by threads: Arrow's end with the process, which ends badly if they just began.
+                table = file.read(columns=["file", "split", "readings"], use_threads=False)
         except FileNotFoundError:
             raise InputError(f"{self.location}: is no data set: it has no {_MANIFEST}") from None
         except (pa.ArrowException, OSError) as error:

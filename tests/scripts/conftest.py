@@ -1,6 +1,15 @@
+import math
+
 import pytest
 
 from sonarbed.cli import main
+from sonarbed.compiling import told_of_compiling
+
+
+@pytest.fixture(autouse=True)
+def in_no_haste(monkeypatch):
+    """Say nothing of compiling, which takes long when a busy machine runs the tests first."""
+    monkeypatch.setattr("sonarbed.cli.told_of_compiling", lambda: told_of_compiling(math.inf))
 
 
 @pytest.fixture(autouse=True)
