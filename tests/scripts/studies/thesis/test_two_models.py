@@ -73,6 +73,7 @@ def test_differences_are_paired_by_seed():
 
 def test_brier_is_better_when_it_is_lower():
     assert {score.name: score.better for score in SCORES} == {
+        "skill": 1,
         "map_score": 1,
         "brier": -1,
         "correlation": 1,
@@ -96,4 +97,6 @@ def test_study_runs_small(tmp_path, monkeypatch):
         for file, _ in (*item.figures, *item.tables):
             assert (tmp_path / "two_models" / file).stat().st_size > 0
     table = (tmp_path / "two_models" / "rooms-100-mm.csv").read_text().splitlines()
-    assert len(table) == 1 + 2 * len(SCORES)
+    assert len(table) == 1 + 2 * (len(SCORES) + 1)
+    assert sum(line.count("blank sheet") for line in table) == 2
+    assert "(skill above 0)" in section.answers[0].text

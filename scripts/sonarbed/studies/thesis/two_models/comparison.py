@@ -72,6 +72,7 @@ class Score:
 
 
 SCORES = (
+    Score("skill", "skill", "", 1),
     Score("map_score", "Map Score", "bit", 1),
     Score("brier", "Brier score", "", -1),
     Score("correlation", "correlation", "", 1),
@@ -85,8 +86,10 @@ class ScoredMap:
 
     Parameters
     ----------
-    map_score, brier, correlation, f1 : float
+    skill, map_score, brier, correlation, f1 : float
         As `sonarmap.MapScore` has them, F1 at 10 cm.
+    sheet : float
+        Map Score of the blank sheet, which knows only the room's share of walls.
     phantom_m2, false_free_m2 : float
         Free area mapped as occupied, occupied area mapped as free.
     bits_wall, bits_near, bits_open : float
@@ -94,10 +97,12 @@ class ScoredMap:
         free cells within 0.15 m of a wall, and of the other free cells.
     """
 
+    skill: float
     map_score: float
     brier: float
     correlation: float
     f1: float
+    sheet: float
     phantom_m2: float
     false_free_m2: float
     bits_wall: float
@@ -117,10 +122,12 @@ class ScoredMap:
         near = ~wall & (away_m <= NEAR_WALL_M + 1e-9)
         parts = (float(bits[cells].sum()) / score.cells for cells in (wall, near, ~wall & ~near))
         return cls(
+            score.skill,
             score.map_score,
             score.brier,
             score.correlation,
             score.f1(1),
+            1 - score.sheet_loss_bits,
             score.phantom_m2,
             score.false_free_m2,
             *parts,

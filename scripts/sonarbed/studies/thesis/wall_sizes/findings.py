@@ -42,10 +42,12 @@ def effect(experiment: Experiment, sweep: Sweep) -> str:
     raised, lowered = _decided(sweep, SCORE)
     f1 = sweep.change("f1 clear", pair)
     near, beyond = (before_after(sweep, f"points {what}", pair) for what in ("near", "beyond"))
+    skill_before, skill_after = before_after(sweep, "skill clear", pair)
     return (
         f"At {pair_name(pair)} HSR {_verb(clear)} the Map Score where no echo clears its cone: "
         f"{clear.text(2)} bit a cell from {sweep.before[SCORE].mean():.2f} (no echo ignored: "
-        f"{ignore.text(2)} from {sweep.before['map_score ignore'].mean():.2f}). Of "
+        f"{ignore.text(2)} from {sweep.before['map_score ignore'].mean():.2f}). Its skill, 0 for a "
+        f"blank sheet, goes from {skill_before.mean():.2f} to {skill_after.mean():.2f}. Of "
         f"{len(sweep.pairs)} pairs {raised.sum()} raise it and {lowered.sum()} lower it; the best, "
         f"{pair_name(best)}, gives {sweep.change(SCORE, best).text(2)}. The map's F1 within 10 cm "
         f"{_moves(f1)} ({f1.text(2)} from {sweep.before['f1 clear'].mean():.2f}). Of the data "

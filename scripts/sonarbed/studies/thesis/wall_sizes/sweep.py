@@ -170,6 +170,7 @@ def _measures(
         built = room.map_of(repaired, policy)
         score = sm.score_map(built, room.truth, observable=room.observable)
         measures |= {
+            f"skill {policy}": score.skill,
             f"map_score {policy}": score.map_score,
             f"f1 {policy}": score.f1(1),
             f"brier {policy}": score.brier,
