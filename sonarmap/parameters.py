@@ -111,12 +111,12 @@ def with_parameters(kind: str, part: type[Part], parameters: Mapping[str, Any]) 
 
 
 def at_point(part: type[Part], point: Mapping[str, Any]) -> Part:
-    """Return the part that a point of its ``space()`` stands for.
+    """Return the part that a point of its ``space()`` stands for; no coordinate, no change.
 
     A part whose coordinates are not its parameters has a class method ``at(point)``.
     """
     at = getattr(part, "at", None)
-    return part(**point) if at is None else at(point)
+    return part(**point) if at is None or not point else at(point)
 
 
 def replaced(kind: str, part: Part, parameters: Mapping[str, Any]) -> Part:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import sonarmap as sm
 from sonarmap.errors import InputError, did_you_mean
-from sonarmap.tuned import tuned_names
+from sonarmap.tuned import tuned_names, tuned_point
 
 __all__ = ["FILTERED_METHODS", "NO_FILTER", "Entry", "all_entries", "entries_of"]
 
@@ -65,13 +65,18 @@ class Entry:
 
 
 def all_entries() -> list[Entry]:
-    """Return every method without a filter, and every filter with the methods named for it."""
+    """Return every method without a filter, and every filter with the methods named for it.
+
+    What stays as it was published after tuning has no second row of that.
+    """
     variants: tuple[Variant, ...] = ("published", "tuned", "logistic")
     methods = [
         Entry(name, variant=variant)
         for name in sm.methods()
         for variant in variants
-        if variant == "published" or name in tuned_names("method")
+        if variant == "published"
+        or (variant == "tuned" and _moved("method", name))
+        or (variant == "logistic" and name in tuned_names("method"))
     ]
     filtered = [
         Entry(method, filter_)
@@ -79,8 +84,17 @@ def all_entries() -> list[Entry]:
         if filter_ != NO_FILTER
         for method in FILTERED_METHODS
     ]
-    tuned = [Entry(FILTERED_METHODS[-1], name, "tuned") for name in tuned_names("filter")]
+    tuned = [
+        Entry(FILTERED_METHODS[-1], name, "tuned")
+        for name in tuned_names("filter")
+        if _moved("filter", name)
+    ]
     return methods + filtered + tuned
+
+
+def _moved(kind: Literal["method", "filter"], name: str) -> bool:
+    """Return whether tuning found something better than what was published."""
+    return name in tuned_names(kind) and bool(tuned_point(kind, name))
 
 
 def entries_of(methods: Iterable[str], filters: Iterable[str]) -> list[Entry]:

@@ -116,15 +116,16 @@ def _tuned(task: _Task) -> dict[str, Any]:
         return _skill_of(task, {name: _suggested(trial, name, space[name]) for name in space})
 
     study.optimize(objective, n_trials=task.budget)
-    published = _skill_of(task, None)
-    tuned = float(study.best_value)
+    published, best = _skill_of(task, None), float(study.best_value)
+    # What no trial did better than the published setting for stays as it was published.
+    point: dict[str, Any] = dict(study.best_params) if best > published else {}
     told: dict[str, Any] = {
-        "point": dict(study.best_params),
-        "skill": round(tuned, 4),
+        "point": point,
+        "skill": round(max(best, published), 4),
         "published_skill": round(published, 4),
     }
     if task.kind == "method":
-        told["logistic"] = _logistic(at_point(sm.methods()[task.name], study.best_params))
+        told["logistic"] = _logistic(at_point(sm.methods()[task.name], point))
     return told
 
 

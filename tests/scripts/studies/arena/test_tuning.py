@@ -11,6 +11,7 @@ from sonarbed.studies.arena.entries import Entry, all_entries
 from sonarbed.studies.arena.plan import FIRST_SEED, full
 from sonarmap import tuned
 from sonarmap.methods.recalibrated import Recalibrated
+from sonarmap.parameters import at_point
 
 
 @pytest.fixture
@@ -109,3 +110,14 @@ def test_tuning_beats_the_paper_in_its_rooms_and_its_rooms_are_its_own(tmp_path,
     arena = {room.name for room in full().rooms}
     assert not arena & set(found["rooms"])
     assert all(int(name.rsplit("-", 1)[1]) < FIRST_SEED for name in found["rooms"])
+
+
+def test_what_no_trial_beats_stays_as_it_was_published(monkeypatch):
+    monkeypatch.setattr(tuning, "_skill_of", lambda task, point: 0.25)
+    told = tuning._tuned(tuning._Task("filter", "eeruf", budget=3, seed=0))
+    assert told == {"point": {}, "skill": 0.25, "published_skill": 0.25}
+
+
+def test_a_point_without_coordinates_is_the_published_part():
+    for name, part in sm.methods().items():
+        assert at_point(part, {}) == sm.method(name)
