@@ -20,6 +20,7 @@ from sonarbed.commands.filtering import filter_
 from sonarbed.commands.hsr import hsr
 from sonarbed.commands.importing import import_
 from sonarbed.commands.map import map_
+from sonarbed.commands.refine import refine
 from sonarbed.commands.replay import replay
 from sonarbed.commands.rings import rings
 from sonarbed.commands.score import score
@@ -56,6 +57,7 @@ app.command("import")(import_)
 app.command()(export)
 app.command("filter")(filter_)
 app.command()(hsr)
+app.command()(refine)
 app.command("map")(map_)
 app.command()(score)
 app.command()(replay)

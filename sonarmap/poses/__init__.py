@@ -1,0 +1,1 @@
+"""Poses by odometry, refined by the walls that a log's echoes agree on."""
