@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sonarmap.errors import finite
+from sonarmap.errors import finite, positive
 from sonarmap.grid import GridSpec
 from sonarmap.log import SonarLog
 from sonarmap.methods.conversion import sigmoid
@@ -28,7 +28,7 @@ class Recalibrated:
     method : MappingMethod
         Whose map.
     slope, intercept : float
-        The two numbers, as a rule fitted on rooms whose walls are known.
+        The two numbers, as a rule fitted on rooms whose walls are known; the slope is > 0.
     """
 
     source: ClassVar[str] = "Platt, Advances in Large Margin Classifiers, 1999."
@@ -38,7 +38,7 @@ class Recalibrated:
     intercept: float = 0.0
 
     def __post_init__(self) -> None:
-        finite("slope", self.slope)
+        positive("slope", self.slope)
         finite("intercept", self.intercept)
 
     @property
@@ -61,7 +61,7 @@ class Recalibrated:
     @classmethod
     def space(cls) -> Space:
         """Return what may be searched of the two numbers; the method's own space is apart."""
-        return {"slope": Real(0.0, 3.0), "intercept": Real(-6.0, 3.0)}
+        return {"slope": Real(0.001, 3.0, log=True), "intercept": Real(-6.0, 3.0)}
 
     def _moved(self, p: float) -> float:
         import numpy as np

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import sonarmap as sm
 from sonarmap.errors import InputError, did_you_mean
 from sonarmap.tuned import tuned_names, tuned_point
 
-__all__ = ["FILTERED_METHODS", "NO_FILTER", "Entry", "all_entries", "entries_of"]
+__all__ = ["FILTERED_METHODS", "NO_FILTER", "Entry", "Variant", "all_entries", "entries_of"]
 
 NO_FILTER = "none"
 FILTERED_METHODS = ("bayes-parameterized", "konolige-style", "arc-competition")
@@ -69,7 +69,7 @@ def all_entries() -> list[Entry]:
 
     What stays as it was published after tuning has no second row of that.
     """
-    variants: tuple[Variant, ...] = ("published", "tuned", "logistic")
+    variants: tuple[Variant, ...] = get_args(Variant)
     methods = [
         Entry(name, variant=variant)
         for name in sm.methods()

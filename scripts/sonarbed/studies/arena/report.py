@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
-import sonarmap as sm
 from sonarbed.reporting.context import StudyContext
 from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.pictures import show_map, show_truth
 from sonarbed.reporting.report import write_report
 from sonarbed.reporting.section import Item, Section
-from sonarbed.studies.arena.entries import NO_FILTER
+from sonarbed.studies.arena.entries import NO_FILTER, Entry, Variant
 from sonarbed.studies.arena.jobs import DriveJob, seen_of
 from sonarbed.studies.arena.plan import ArenaPlan
 from sonarbed.studies.arena.questions import answers
@@ -205,8 +205,7 @@ def _slope(x: Sequence[float], y: Sequence[float]) -> float:
 
 
 def _maps(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
-    order = [each.entry for each in table.standings()]
-    methods = [entry for entry in order if " + " not in entry][:_MAP_ENTRIES]
+    methods = _best_of_each(table)[:_MAP_ENTRIES]
     items = []
     for room in plan.rooms[:: max(1, len(plan.rooms) // _MAP_ROOMS)][:_MAP_ROOMS]:
         drive = DriveJob(room, plan.sonars[0], 0, plan.scans, plan.resolution_m)
@@ -216,9 +215,10 @@ def _maps(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
         figure, panels = figure_with(rows, cols, width=2.3, height=2.4)
         show_truth(panels[0], seen.truth, seen.observable)
         panels[0].set_title("the truth", fontsize=8)
-        for axes, name in zip(panels[1:], methods, strict=False):
-            show_map(axes, sm.method(name).map(seen.blind, seen.truth.grid))
-            axes.set_title(name, fontsize=8)
+        for axes, entry in zip(panels[1:], methods, strict=False):
+            _, method = entry.made()
+            show_map(axes, method.map(seen.blind, seen.truth.grid))
+            axes.set_title(entry.label, fontsize=8)
         for axes in panels:
             axes.set(xlabel="", ylabel="", xticks=[], yticks=[])
         for axes in panels[len(methods) + 1 :]:
@@ -233,3 +233,19 @@ def _maps(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
             )
         )
     return Section("maps", "Maps", tuple(items))
+
+
+def _best_of_each(table: Table) -> list[Entry]:
+    """Return each method without a filter once, as it stands best, the best first."""
+    entries = {
+        entry.label: entry
+        for row in table.rows
+        for variant in get_args(Variant)
+        if (entry := Entry(row["method"], row["filter"], variant)).label == row["entry"]
+    }
+    best: dict[str, Entry] = {}
+    for standing in table.standings():
+        entry = entries[standing.entry]
+        if entry.filter == NO_FILTER:
+            best.setdefault(entry.method, entry)
+    return list(best.values())

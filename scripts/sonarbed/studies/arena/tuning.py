@@ -39,6 +39,7 @@ _SCANS, _RESOLUTION_M, _SONARS = 200, 0.05, ("physical", "thesis")
 # What an oracle knows is not to be tuned, and what has nothing to search neither.
 _UNTUNED = ("oracle-",)
 # What a failing point scores: far below every sheet.
+_LEAST_SLOPE = 0.001
 _FAILED = -1e3
 
 
@@ -173,7 +174,14 @@ def _logistic(method: sm.MappingMethod) -> list[float]:
         return float(-np.where(y, np.log(p), np.log1p(-p)).mean())
 
     start = np.array([0.5, np.log(y.mean() / (1 - y.mean()))])
-    best = minimize(loss, start, method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-7})
+    best = minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        # A map that ranks cells the wrong way round is not turned over: it is told to say nothing.
+        bounds=[(_LEAST_SLOPE, None), (None, None)],
+        options={"xatol": 1e-4, "fatol": 1e-7},
+    )
     return [round(float(number), 5) for number in best.x]
 
 

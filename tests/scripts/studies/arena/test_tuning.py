@@ -1,11 +1,13 @@
 """Fair tuning, and what tuned=True stands for."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import sonarmap as sm
+import worlds
 from sonarbed.studies.arena import tuning
 from sonarbed.studies.arena.entries import Entry, all_entries
 from sonarbed.studies.arena.plan import FIRST_SEED, full
@@ -121,3 +123,19 @@ def test_what_no_trial_beats_stays_as_it_was_published(monkeypatch):
 def test_a_point_without_coordinates_is_the_published_part():
     for name, part in sm.methods().items():
         assert at_point(part, {}) == sm.method(name)
+
+
+def test_a_map_that_ranks_wrongly_is_told_to_say_nothing(monkeypatch):
+    grid = sm.GridSpec(0.1, (0.0, 0.0), (10, 10))
+    walls = np.arange(100).reshape(10, 10) < 6
+    truth = SimpleNamespace(grid=grid, state=np.where(walls, worlds.OCCUPIED, worlds.FREE))
+    monkeypatch.setattr(tuning, "_drives", lambda: [(None, truth, np.ones((10, 10), bool))])
+
+    def wrong(log, on):
+        return sm.OccupancyMap.from_probability(on, np.where(walls, 0.2, 0.7))
+
+    slope, intercept = tuning._logistic(_Own(wrong))
+    made = Recalibrated(_Own(wrong), slope, intercept).map(None, grid)
+    assert np.allclose(made.probability, 0.06, atol=0.001)
+    with pytest.raises(sm.InputError, match=r"slope must be .*> 0"):
+        Recalibrated(_Own(wrong), 0.0, 0.0)
