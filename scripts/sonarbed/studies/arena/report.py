@@ -14,6 +14,7 @@ from sonarbed.reporting.drawing import COLOURS, figure_with
 from sonarbed.reporting.pictures import show_map, show_truth
 from sonarbed.reporting.report import write_report
 from sonarbed.reporting.section import Item, Section
+from sonarbed.studies.arena.contrasts import contrasts, skill_by_scans
 from sonarbed.studies.arena.entries import NO_FILTER, Entry, Variant
 from sonarbed.studies.arena.jobs import DriveJob, seen_of
 from sonarbed.studies.arena.plan import ArenaPlan
@@ -50,8 +51,8 @@ def write_arena_report(plan: ArenaPlan, result: ArenaResult, folder: Path) -> tu
     table = Table(result.rows)
     sections = [
         _leaderboards(context.on_study("leaderboard"), table, plan),
-        Section("questions", "Questions", tuple(answers(context.on_study("questions"), table))),
-        _dependence(context.on_study("dependence"), table),
+        _questions(context.on_study("questions"), table, plan),
+        _dependence(context.on_study("dependence"), table, plan),
         _maps(context.on_study("maps"), table, plan),
     ]
     for section in sections:
@@ -156,7 +157,12 @@ def _leaderboard(context: StudyContext, table: Table, title: str) -> Item:
     )
 
 
-def _dependence(context: StudyContext, table: Table) -> Section:
+def _questions(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
+    items = (*answers(context, table), *contrasts(context, table, plan))
+    return Section("questions", "Questions", items)
+
+
+def _dependence(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
     plain = Table([row for row in table.rows if row["filter"] == NO_FILTER])
     standings = [each for each in plain.standings() if math.isfinite(each.skill.value)]
     shown = [each.entry for each in standings[:6]]
@@ -197,7 +203,8 @@ def _dependence(context: StudyContext, table: Table) -> Section:
             (context.figure("rooms", grid, "Skill by room; blue is above the blank sheet"),),
         ),
     )
-    return Section("dependence", "What depends on what", items)
+    lengths = skill_by_scans(context, plain, plan)
+    return Section("dependence", "What depends on what", (*items, *lengths))
 
 
 def _slope(x: Sequence[float], y: Sequence[float]) -> float:

@@ -1,5 +1,7 @@
 """The arena on a small plan: rows, resuming, failures, and nobody sees the truth."""
 
+import csv
+import dataclasses
 import json
 import math
 import re
@@ -13,6 +15,8 @@ import pytest
 import sonarmap as sm
 import worlds
 from sim.runs.jobs import Processes, open_store
+from sonarbed.reporting.context import StudyContext
+from sonarbed.studies.arena.contrasts import contrasts, skill_by_scans
 from sonarbed.studies.arena.entries import FILTERED_METHODS, Entry, all_entries, entries_of
 from sonarbed.studies.arena.jobs import DriveJob, Room, seen_of
 from sonarbed.studies.arena.plan import FIRST_SEED, ArenaPlan, full, quick
@@ -178,6 +182,45 @@ def test_the_report_has_every_section(done):
     for words in ("Leaderboards", "Does any method beat the blank sheet?", "Maps of l-shape"):
         assert words in text
     assert "data:image/png;base64," in html.read_text()
+
+
+def test_a_choice_made_the_other_way_is_what_the_core_says(done):
+    folder, result = done
+    context = StudyContext(folder / "report", report="arena", sonar="thesis").on_study("questions")
+    arc, no_echo = contrasts(context, Table(result.rows), PLAN)
+    assert arc.number == "Arc or dot?"
+    skills = []
+    for room in PLAN.rooms:
+        seen = seen_of(DriveJob(room, "thesis", 0, 25, 0.05), folder)
+        narrow = dataclasses.replace(seen.blind.ring, half_angle_rad=math.radians(1))
+        built = sm.method("bayes-parameterized").map(
+            seen.blind.replace(ring=narrow), seen.truth.grid
+        )
+        skills.append(sm.score_map(built, seen.truth, observable=seen.observable).skill)
+    lines = (context.folder / "questions" / "arc-dot.csv").read_text().splitlines()
+    assert lines[0] == "method,arc,dot,gained by dot,decided"
+    (told,) = csv.reader(lines[1:])
+    assert told[0] == "bayes-parameterized"
+    assert float(told[2]) == pytest.approx(np.mean(skills), abs=0.005)
+    assert "1 methods" in no_echo.finding
+
+
+def test_skill_by_scans_ends_with_the_whole_drive(done):
+    folder, result = done
+    context = StudyContext(folder / "report", report="arena", sonar="thesis").on_study("dependence")
+    table = Table(result.rows)
+    (item,) = skill_by_scans(context, table, PLAN)
+    lines = (context.folder / "dependence" / "scans.csv").read_text().splitlines()
+    told = list(csv.DictReader(lines))
+    for row in told:
+        whole = np.nanmean(table.room_skill(row["method"]))
+        assert float(row["25"]) == pytest.approx(whole, abs=0.005)
+    assert "25" in item.finding
+    assert not list(skill_by_scans(context, Table([_own_row()]), PLAN))
+
+
+def _own_row():
+    return row("mine:points", "l-shape", 50.0)
 
 
 # --- the table -----------------------------------------------------------------------------------
