@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["demo"]
 
 # What stands beside the thesis's maps: the first by skill in the arena (docs/arena.md).
-_BEST = "arc-competition"
+_BEST = "learned"
 
 
 def demo(

@@ -157,7 +157,7 @@ def _leaderboard(context: StudyContext, table: Table, title: str) -> Item:
             context.figure(
                 name,
                 figure,
-                f"Skill with 95 % over rooms, the first {_DRAWN} at most; below the axis it goes on",
+                f"Skill with 95 % over rooms, {_DRAWN} at most; below the axis it goes on",
             ),
         ),
         (context.table(name, LEADERBOARD, leaderboard_rows(standings), f"The table, {title}"),),
