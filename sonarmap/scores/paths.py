@@ -187,10 +187,13 @@ def _graph(fits: _Cells) -> csr_array:
         lengths.append(np.full(int(both.sum()), math.hypot(down, across)))
     one, other = np.concatenate(ends, axis=1)
     length = np.concatenate(lengths)
-    return coo_array(
+    graph = coo_array(
         (np.tile(length, 2), (np.concatenate([one, other]), np.concatenate([other, one]))),
         shape=(fits.size, fits.size),
     ).tocsr()
+    # SciPy before 1.15 takes no other indices for paths, and the array made longer ones.
+    graph.indices, graph.indptr = (each.astype(np.int32) for each in (graph.indices, graph.indptr))
+    return graph
 
 
 def _path(before: NDArray[np.int32], start: int, goal: int) -> NDArray[np.intp]:
