@@ -20,6 +20,7 @@ from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.sonar import PhysicalSonar
+from sim.sonar.physical.spread import TransducerSpread
 from sim.sonar.protocol import Echoes, Sonar, SonarArray
 
 Beacon = Interferer
@@ -53,6 +54,7 @@ __all__ = [
     "Sonar",
     "SonarArray",
     "StatusPackets",
+    "TransducerSpread",
     "WallFollower",
     "Waypoints",
     "replay",

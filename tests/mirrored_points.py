@@ -8,6 +8,7 @@ import itertools
 import math
 
 import numpy as np
+from scipy.special import fresnel
 
 from sim.sonar.physical.levels import beam_db, mirror_echo_db, tvg_db
 
@@ -54,6 +55,65 @@ class Room:
             arms += [(way, i)] if along < length - TOUCH_M else []
             arms += [(-way, i)] if along > TOUCH_M else []
         return arms
+
+    def extent(self, i, viewer, place):
+        """Return how far a face goes on from a place of it, both ways, as the viewer sees it."""
+        a, b, _ = self.segments[i]
+        way = (b - a) / math.hypot(*(b - a))
+        side = np.array([way[1], -way[0]])
+        side = side * math.copysign(1, side @ (viewer - a))
+        foot = a + way * (way @ (viewer - a))
+        return [self._goes_on(place, way * sign, side, foot, viewer) for sign in (1, -1)]
+
+    def _goes_on(self, place, way, side, foot, viewer):
+        """Walk along a line until a face stands on it, or it goes on no more."""
+        height = math.hypot(*(viewer - foot))
+        gone = way @ (place - foot)
+        for at, arms in sorted(
+            (
+                (way @ (v - foot), arms)
+                for v, arms in self.vertices
+                if abs(side @ (v - foot)) < 2e-4
+            ),
+            key=lambda one: one[0],
+        ):
+            if at < gone - 1e-7:
+                continue
+            standing = [arm for arm in arms if arm[0] @ side > 1e-3]
+            if standing:
+                # The first that is met: that which leans most over the way one came.
+                arm = max(standing, key=lambda one: -(one[0] @ way))
+                if arm[0] @ way > RIGHT or at <= 0:
+                    return at - gone
+                depth = self.reach(at * way + foot, arm[0], -way) * (arm[0] @ side)
+                return at * height / (height - depth) - gone if depth < height else math.inf
+            if not any(arm[0] @ way > 1 - 1e-6 for arm in arms):
+                return at - gone
+            if at - gone > 3:
+                break
+        return math.inf
+
+    def reach(self, place, along, towards):
+        """Return how far a face goes on from a corner until something stands on its inner side."""
+        inner = towards - along * (along @ towards)
+        inner /= math.hypot(*inner)
+        for at, arms in sorted(
+            (
+                (along @ (v - place), arms)
+                for v, arms in self.vertices
+                if abs(cross(along, v - place)) < 2e-4
+            ),
+            key=lambda one: one[0],
+        ):
+            if at < 1e-3:
+                continue
+            if any(arm[0] @ inner > 1e-3 for arm in arms):
+                return at
+            if not any(arm[0] @ along > 1 - 1e-6 for arm in arms):
+                return at
+            if at > 3:
+                break
+        return math.inf
 
     def is_free(self, start, end):
         way = end - start
@@ -115,6 +175,34 @@ def is_way_free(room, over, way):
     return True
 
 
+def size_share(wavelength_m, cos, one_m, other_m, far_m):
+    """Return the power of a face that goes on so far both ways against that of a large one."""
+    per_m = cos * math.sqrt(2 * (one_m + other_m) / (wavelength_m * one_m * other_m))
+    total = 0j
+    for gap in far_m:
+        u = gap * per_m
+        # Beyond 8 the pulse is over; on the way there ripples fade.
+        fade = min(max((8 - u) / 2, 0), 1)
+        fade = fade * fade * (3 - 2 * fade)
+        sine, cosine = fresnel(min(u, 8))
+        total += 0.5 * (1 + 1j) + (complex(cosine, sine) - 0.5 * (1 + 1j)) * fade
+    return abs(total) ** 2 / 2
+
+
+def passed(room, sonar, over, images, way, path_m, there_and_back):
+    """Return the power that small mirrors let pass."""
+    power, gone = 1.0, 0.0
+    for k, i in enumerate(over):
+        gone += math.hypot(*(way[k + 1] - way[k]))
+        a, b, _ = room.segments[i]
+        normal = np.array([b[1] - a[1], a[0] - b[0]]) / math.hypot(*(b - a))
+        cos = abs(normal @ (images[k] - a)) / gone
+        far_m = room.extent(i, images[k], way[k + 1])
+        one = size_share(sonar.acoustics.wavelength_m, cos, gone, path_m - gone, far_m)
+        power *= min(one, 1.0) ** (2 if there_and_back else 1)
+    return power
+
+
 class Sonar:
     """Where a sonar is, where it looks, and how loud and late what it hears is."""
 
@@ -162,10 +250,14 @@ def first_echo(room, sonar, bounces):
     return min(first, _scattered(room, sonar, bounces, first))
 
 
-def _echo(room, sonar, over, images, target, level_db, path_m, back=None):
+def _echo(room, sonar, over, images, target, level_db, path_m, back=None, size=None):
     way = way_to(room, over, images, target)
     if way is None:
         return []
+    if size is not None:
+        level_db += 10 * math.log10(size() + 1e-12)
+    let = passed(room, sonar, over, images, way, path_m, back is None)
+    level_db += 10 * math.log10(let + 1e-12)
     sent_db = sonar.beam_db(way[1])
     level_db += 2 * sent_db if back is None else sent_db + sonar.beam_db(back)
     read_m = sonar.crossing_m(path_m, mirror_echo_db(sonar.acoustics, path_m) + level_db)
@@ -179,8 +271,14 @@ def _feet(room, sonar, over, images, lost_db):
         half_m = math.hypot(*(foot - images[-1]))
         if -1e-9 <= share <= 1 + 1e-9 and half_m > 1e-9 and (not over or over[-1] != i):
             level_db = 2 * lost_db + room.mirror_db[k]
-            level_db += 10 * math.log10(1 + 10 ** (room.floor_db[k] / 10))
-            yield from _echo(room, sonar, over, images, foot, level_db, 2 * half_m)
+
+            def size(i=i, k=k, foot=foot, half_m=half_m):
+                far_m = room.extent(i, images[-1], foot)
+                wavelength_m = sonar.acoustics.wavelength_m
+                whole = size_share(wavelength_m, 1.0, half_m, half_m, far_m)
+                return whole + 10 ** (room.floor_db[k] / 10)
+
+            yield from _echo(room, sonar, over, images, foot, level_db, 2 * half_m, size=size)
 
 
 def _ways_back(room, sonar, over, images, lost_db):
@@ -197,7 +295,15 @@ def _ways_back(room, sonar, over, images, lost_db):
         if at is not None:
             path_m = math.hypot(*(beyond - sonar.place))
             level_db = lost_db + room.mirror_db[k]
-            yield from _echo(room, sonar, over, images, at, level_db, path_m, back=at)
+            back_m = math.hypot(*(at - sonar.place))
+            normal = np.array([b[1] - a[1], a[0] - b[0]]) / math.hypot(*(b - a))
+            cos = abs(normal @ (at - sonar.place)) / back_m
+
+            def size(i=i, at=at, cos=cos, back_m=back_m, path_m=path_m):
+                far_m = room.extent(i, images[-1], at)
+                return size_share(sonar.acoustics.wavelength_m, cos, path_m - back_m, back_m, far_m)
+
+            yield from _echo(room, sonar, over, images, at, level_db, path_m, back=at, size=size)
 
 
 def _corners(room, sonar, over, images, lost_db):
@@ -211,10 +317,18 @@ def _corners(room, sonar, over, images, lost_db):
         if right[1] @ left[1] < 0 and abs(cross(right[1], left[1])) < 1e-3:
             continue
         one, other = (room.mirror_db[room.segments[turn[2]][2]] for turn in (right, left))
+        size = None
         if opening < math.pi:
             if abs(right[1] @ left[1]) >= RIGHT:
                 continue
             level_db = one + other
+
+            def size(right=right, left=left, place=place, back=back, half_m=half_m):
+                wide_m = min(
+                    room.reach(place, turn[1], other[1]) * abs(cross(turn[1], back / half_m))
+                    for turn, other in ((right, left), (left, right))
+                )
+                return size_share(sonar.acoustics.wavelength_m, 1.0, half_m, half_m, [wide_m] * 2)
         else:
             # The face that is seen; of two that with the lower number.
             seen = [turn for turn in (right, left) if cross(turn[1], back) * (
@@ -222,7 +336,8 @@ def _corners(room, sonar, over, images, lost_db):
             face = min(turn[2] for turn in seen)
             level_db = room.mirror_db[room.segments[face][2]]
             level_db += sonar.acoustics.edge_db - 20 * math.log10(max(half_m, 0.01))
-        yield from _echo(room, sonar, over, images, place, 2 * lost_db + level_db, 2 * half_m)
+        level_db += 2 * lost_db
+        yield from _echo(room, sonar, over, images, place, level_db, 2 * half_m, size=size)
 
 
 def _pillars(room, sonar, over, images, lost_db):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.datasets.parts import make_driver, make_sonar, odometry_of, packets_of
+from sim.datasets.parts import SONAR_FIELDS, make_driver, make_sonar, odometry_of, packets_of
 from sim.datasets.rooms import RoomSource, StoredRoom, pose_anywhere, stored_room
 from sim.runs.jobs import Store, digest_of
 from sim.runs.jobs.job import DIGITS
@@ -156,7 +156,7 @@ def version_here() -> str:
 
 
 def _sonar(settings: tuple[tuple[str, Any], ...], ring: SonarRing | None) -> Sonar:
-    tables = ("sonar", "receiver.", "transducer.", "air.", "sonar_parameters.")
+    tables = ("sonar", "air.", "sonar_parameters.", *(f"{table}." for table in SONAR_FIELDS))
     return _sonar_of(tuple(pair for pair in settings if pair[0].startswith(tables)), ring)
 
 

@@ -17,20 +17,37 @@ from sim.sonar.air import Air
 from sim.sonar.carried import with_ring
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.spread import TransducerSpread
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, SonarRing
 from worlds import World
 
-__all__ = ["FIXED_PARTS", "make_driver", "make_sonar", "odometry_of", "packets_of", "settable"]
+__all__ = [
+    "FIXED_PARTS",
+    "SONAR_FIELDS",
+    "make_driver",
+    "make_sonar",
+    "odometry_of",
+    "packets_of",
+    "settable",
+]
 
 FIXED_PARTS: Mapping[str, type] = {
     "receiver": Receiver,
     "transducer": Piston,
+    "spread": TransducerSpread,
     "air": Air,
     "odometry": OdometryModel,
     "status_packets": StatusPackets,
 }
 """Tables of [logs] that are parameters of one class, whatever is driven and fired."""
+
+SONAR_FIELDS: Mapping[str, str] = {
+    "receiver": "receiver",
+    "transducer": "piston",
+    "spread": "spread",
+}
+"""Those of them that are fields of a physical sonar, and which."""
 
 Settings = Mapping[str, Any]
 """Values by key; of a table as ``table.key``."""
@@ -58,7 +75,7 @@ def make_sonar(settings: Settings, ring: SonarRing | None) -> Sonar:
     sonar: Any = presets.preset(settings["sonar"])
     sonar = with_ring(sonar, ring)
     changes: dict[str, Any] = _table(settings, "sonar_parameters", only=settable(sonar))
-    for table, field in (("receiver", "receiver"), ("transducer", "piston")):
+    for table, field in SONAR_FIELDS.items():
         values = _table(settings, table)
         if values and hasattr(sonar, field):
             changes[field] = dataclasses.replace(getattr(sonar, field), **values)

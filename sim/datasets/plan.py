@@ -18,6 +18,7 @@ import numpy as np
 from sim.datasets.logs import LogJob, version_here
 from sim.datasets.parts import (
     FIXED_PARTS,
+    SONAR_FIELDS,
     make_driver,
     make_sonar,
     odometry_of,
@@ -240,7 +241,6 @@ def _tables(
         ],
         **{name: [part] for name, part in FIXED_PARTS.items()},
     }
-    fields = {"receiver": "receiver", "transducer": "piston"}
     values: dict[str, Value] = {}
     for table in PARTS:
         given = getattr(spec.logs, table)
@@ -253,9 +253,9 @@ def _tables(
             values[f"{table}.{key}"] = _placed(
                 place, lambda v=value, kind=known[key]: parse_value(v, kind)
             )
-        if given and table in fields:
+        if given and table in SONAR_FIELDS:
             sonars = made["sonar_parameters"]
-            if not any(hasattr(sonar, fields[table]) for sonar in sonars):
+            if not any(hasattr(sonar, SONAR_FIELDS[table]) for sonar in sonars):
                 raise InputError(f"logs.{table}: none of the sonars has a {table}")
         if given and table == "status_packets" and True not in alone["packets"].examples:
             raise InputError("logs.status_packets: needs packets = true")

@@ -55,6 +55,7 @@ PARTS = (
     "sonar_parameters",
     "receiver",
     "transducer",
+    "spread",
     "air",
     "odometry",
     "status_packets",
@@ -143,6 +144,7 @@ class LogsTable(_Table):
     sonar_parameters: dict[str, Any] = Field(default_factory=dict)
     receiver: dict[str, Any] = Field(default_factory=dict)
     transducer: dict[str, Any] = Field(default_factory=dict)
+    spread: dict[str, Any] = Field(default_factory=dict)
     air: dict[str, Any] = Field(default_factory=dict)
     odometry: dict[str, Any] = Field(default_factory=dict)
     status_packets: dict[str, Any] = Field(default_factory=dict)

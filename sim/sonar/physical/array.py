@@ -18,6 +18,7 @@ from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, mirror_echo_db
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.spread import Transducers
 from sim.sonar.physical.tracing import Tracing, TracingLimits, advance_tracing, begin_tracing
 from sim.sonar.protocol import Echoes
 from sonarmap import LogTruth, SonarRing
@@ -66,6 +67,8 @@ class PhysicalArray:
         What they are made of.
     rng : numpy.random.Generator
         Draws one number a firing.
+    transducers : Transducers
+        Of the ring.
     monostatic : bool
         Whether each sonar receives its own sound only.
     """
@@ -76,11 +79,12 @@ class PhysicalArray:
         rays: RayCaster,
         world: World,
         rng: np.random.Generator,
+        transducers: Transducers,
         *,
         monostatic: bool = False,
     ) -> None:
         self._model, self._rays, self._rng = model, rays, rng
-        self._monostatic = monostatic
+        self._monostatic, self._transducers = monostatic, transducers
         self._surfaces = _surface_table(world)
         self._fired: list[tuple[float, ...]] = []
         self._sounds = np.empty((0, t.SOUND_COLUMNS))
@@ -94,7 +98,9 @@ class PhysicalArray:
     ) -> None:
         """Let some sonars fire at once, see `sim.sonar.protocol.SonarArray`."""
         tracing = self._trace(np.array(sonars, np.int64), sensor_xy_m, axis_rad)
-        outside = _from_interferers(self._model, self._rays, time_s, sonars, sensor_xy_m, axis_rad)
+        outside = _from_interferers(
+            self._model, self._rays, self._transducers, time_s, sonars, sensor_xy_m, axis_rad
+        )
         self._sounds = np.concatenate([self._sounds, self._echoes(tracing, time_s), *outside])
         self._fired += [
             (time_s, sonar, tracing.axis_range_m[sonar], tracing.cone_range_m[sonar])
@@ -140,7 +146,12 @@ class PhysicalArray:
         """Trace the faces around some sonars."""
         model = self._model
         tracing: Tracing = begin_tracing(
-            sonars, sensor_xy_m, axis_rad, model.bearing_rad, model.ray_reach_m
+            sonars,
+            sensor_xy_m,
+            axis_rad,
+            *self._transducers,
+            model.bearing_rad,
+            model.ray_reach_m,
         )
         while len(tracing.rays):
             tracing = advance_tracing(
@@ -181,7 +192,7 @@ class ImageArray:
 
     Parameters
     ----------
-    model, rays, world, rng, monostatic
+    model, rays, world, rng, transducers, monostatic
         As of `PhysicalArray`.
     faces : Faces
         The surfaces that `rays` would meet.
@@ -194,11 +205,12 @@ class ImageArray:
         faces: Faces,
         world: World,
         rng: np.random.Generator,
+        transducers: Transducers,
         *,
         monostatic: bool = False,
     ) -> None:
         self._model, self._rays, self._rng = model, rays, rng
-        self._monostatic = monostatic
+        self._monostatic, self._transducers = monostatic, transducers
         self._scene, self._surfaces = scene_of(faces, world), _surface_table(world)
         self._sounds = np.empty((0, t.SOUND_COLUMNS))
         self._outside: list[NDArray[np.float64]] = []
@@ -226,7 +238,7 @@ class ImageArray:
         self._axis_rad.append(axis_rad.copy())
         if self._model.interferers:
             self._outside += _from_interferers(
-                self._model, self._rays, time_s, sonars, sensor_xy_m, axis_rad
+                self._model, self._rays, self._transducers, time_s, sonars, sensor_xy_m, axis_rad
             )
 
     def detect(self) -> Echoes:
@@ -238,6 +250,7 @@ class ImageArray:
             model.acoustics,
             model.image_limits,
             self._monostatic,
+            *self._transducers,
             np.array(self._times_s, float),
             np.array(self._sonars),
             np.array(self._start),
@@ -275,6 +288,7 @@ def known_faces(rays: RayCaster) -> Faces | None:
 def _from_interferers(
     model: ArrayModel,
     rays: RayCaster,
+    transducers: Transducers,
     time_s: float,
     sonars: tuple[int, ...],
     sensor_xy_m: NDArray[np.float64],
@@ -289,7 +303,9 @@ def _from_interferers(
         path_m = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 1e-6)
         hits = rays.cast(sensor_xy_m[listeners], offset / path_m[:, None], path_m)
         bearing = np.arctan2(offset[:, 1], offset[:, 0]) - axis_rad[listeners]
+        bearing -= transducers.lean_rad[listeners]
         received_db = model.piston.level_db(np.remainder(bearing + np.pi, 2 * np.pi) - np.pi)
+        received_db = received_db + transducers.gain_db[listeners]
         for k in np.flatnonzero(hits.surface < 0):
             travel_s = path_m[k] / acoustics.speed_mps
             pulses_s = interferer.pulses_s(

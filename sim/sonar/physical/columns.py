@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 # Rays: begin of the leg, direction, how far it goes, bearing off the axis at departure, image of
-# the transducer, path so far, sign of the bearings after mirroring, sum of one-way mirror losses,
-# last mirror's normal.
+# the transducer, path so far, sign of the bearings after mirroring, sum of the transducer's
+# sensitivity and one-way mirror losses, last mirror's normal.
 RAY_X, RAY_Y, RAY_DX, RAY_DY, RAY_REACH, RAY_THETA, RAY_IX, RAY_IY = range(8)
 RAY_PATH, RAY_SIGN, RAY_LOSS, RAY_MX, RAY_MY, RAY_COLUMNS = range(8, 14)
 # Whose fan a ray belongs to, the face that mirrored it last or -1, its number in the fan.
@@ -13,8 +13,11 @@ ID_SONAR, ID_MIRROR, ID_NUMBER, ID_COLUMNS = range(4)
 # is seen, a point of it, its normal; of its first ray the image, bearing, direction, and the rest.
 FACE_LOW, FACE_HIGH, FACE_X, FACE_Y, FACE_NX, FACE_NY, FACE_IX, FACE_IY = range(8)
 FACE_THETA, FACE_ALONG, FACE_SIGN, FACE_LOSS, FACE_MX, FACE_MY, FACE_COLUMNS = range(8, 15)
-# Who sees it, its surface, the face that mirrors it last or -1, over how many mirrors.
-LINK_SONAR, LINK_SURFACE, LINK_MIRROR, LINK_MIRRORS, LINK_COLUMNS = range(5)
+# Who sees it, its surface, the face that mirrors it last or -1, over how many mirrors; what is at
+# its lower and upper limit: the face that mirrors it on in a hollow corner, its end, or something
+# that only hides how it goes on.
+LINK_SONAR, LINK_SURFACE, LINK_MIRROR, LINK_MIRRORS, LINK_LOW, LINK_HIGH, LINK_COLUMNS = range(7)
+ENDS, GOES_ON = -1, -2
 # Right-angled hollow corners: the two faces, the vertex. Edges: the nearer face, the vertex.
 CORNER_FACE, CORNER_OTHER, CORNER_X, CORNER_Y, CORNER_COLUMNS = range(5)
 EDGE_FACE, EDGE_X, EDGE_Y, EDGE_COLUMNS = range(4)

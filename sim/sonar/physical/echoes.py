@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
+from sim.sonar.physical.fresnel import clearance_per_m, seen_share
 from sim.sonar.physical.levels import (
     beam_bound_db,
     beam_db,
@@ -17,6 +18,7 @@ from sim.sonar.physical.levels import (
     tvg_db,
 )
 from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to
+from sim.sonar.physical.turning import edge_share_db, pillar_share_db, turning_place
 from sonarmap.kernels.jit import njit
 
 __all__ = ["Found", "confirmed", "find_sounds"]
@@ -25,6 +27,12 @@ __all__ = ["Found", "confirmed", "find_sounds"]
 _SAME_LENGTH_M = 1e-3
 # Rays of checks go so much farther than they need to, metres.
 _BEYOND_M = 0.1
+# So far from an edge a ray shall meet its face, metres.
+_ON_FACE_M = 2e-4
+# A share of the power, so that none has a level, too; and the least of distances and cosines.
+_NOTHING, _LEAST = 1e-12, 1e-3
+# What is seen at such an angle from the perpendicular is as far away as anything.
+_LEVEL_RAD = math.radians(89.0)
 # Step of the search along a scattering face, radians.
 _SCATTER_STEP_RAD = math.radians(0.1)
 
@@ -54,8 +62,8 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
     """
     faces, links = tracing.faces, tracing.links
     listeners = 1 if monostatic else tracing.axis_rad.size
-    most = len(faces) * (2 + listeners) + len(tracing.corners) + len(tracing.edges)
-    most += len(tracing.ends)
+    most = len(faces) * (2 + listeners) + len(tracing.corners)
+    most += (len(tracing.edges) + len(tracing.ends)) * listeners
     found = Found(
         np.empty((most, t.SOUND_COLUMNS)),
         np.empty((most * (limits.max_bounces + 2), t.CHECK_COLUMNS)),
@@ -63,7 +71,7 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
     )
     for p in range(len(faces)):
         if surfaces[links[p, t.LINK_SURFACE], t.SURFACE_RADIUS] > 0:
-            _add_pillar(found, tracing, p, surfaces, limits, acoustics)
+            _add_pillar(found, tracing, p, monostatic, surfaces, limits, acoustics)
             continue
         half_m, foot = _foot(faces[p])
         _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics)
@@ -71,12 +79,14 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
         _add_bistatic(found, tracing, p, half_m, monostatic, surfaces, limits, acoustics)
     for corner in tracing.corners:
         p = int(corner[t.CORNER_FACE])
-        level = surfaces[links[int(corner[t.CORNER_OTHER]), t.LINK_SURFACE], t.SURFACE_MIRROR]
-        x, y = corner[t.CORNER_X], corner[t.CORNER_Y]
-        _add_point(found, tracing, p, x, y, level, surfaces, limits, acoustics)
+        q, x, y = int(corner[t.CORNER_OTHER]), corner[t.CORNER_X], corner[t.CORNER_Y]
+        share = _corner_share(tracing, p, q, x, y, acoustics)
+        level_db = surfaces[links[q, t.LINK_SURFACE], t.SURFACE_MIRROR]
+        level_db += 10 * math.log10(share + _NOTHING)
+        _add_point(found, tracing, p, x, y, level_db, surfaces, limits, acoustics)
     for edge in tracing.edges:
         p, x, y = int(edge[t.EDGE_FACE]), edge[t.EDGE_X], edge[t.EDGE_Y]
-        _add_edge(found, tracing, p, x, y, surfaces, limits, acoustics)
+        _add_edge(found, tracing, p, x, y, monostatic, surfaces, limits, acoustics)
     for end in tracing.ends:
         p = int(end[t.END_FACE])
         # A pillar has no edge: its outline is where rays graze it.
@@ -85,7 +95,7 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
             angle = tracing.axis_rad[sonar] + end[t.END_INSIDE]
             x = tracing.sensor_xy_m[sonar, 0] + end[t.END_LENGTH] * math.cos(angle)
             y = tracing.sensor_xy_m[sonar, 1] + end[t.END_LENGTH] * math.sin(angle)
-            _add_edge(found, tracing, p, x, y, surfaces, limits, acoustics)
+            _add_edge(found, tracing, p, x, y, monostatic, surfaces, limits, acoustics)
     sounds = found.sounds[: found.counts[0]]
     sounds[:, t.SOUND_SENT] = sent_s
     return sounds, found.checks[: found.counts[1]]
@@ -184,22 +194,123 @@ def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     """Return the level of what a mirror in the place of a face would send back."""
     loss_db = 2 * tracing.faces[p, t.FACE_LOSS]
     loss_db += surfaces[tracing.links[p, t.LINK_SURFACE], t.SURFACE_MIRROR]
+    passed = _passed_share(tracing, p, theta, 2 * half_m, acoustics)
+    loss_db += 20 * math.log10(passed + _NOTHING)
     return mirror_echo_db(acoustics, 2 * half_m) + 2 * beam_db(acoustics, theta) + loss_db
 
 
 @njit()
-def _add_pillar(found, tracing, p, surfaces, limits, acoustics):
+def _turned_share(tracing, p, theta, path_m, acoustics):
+    """Return the power that a face turns on a path that meets it at a bearing, by its size."""
+    faces = tracing.faces
+    half_m, foot = _foot(faces[p])
+    low, high = tracing.links[p, t.LINK_LOW], tracing.links[p, t.LINK_HIGH]
+    # In a hollow corner a face is mirrored on to where the other one ends.
+    low_rad = high_rad = math.nan
+    if low == t.ENDS:
+        low_rad = faces[p, t.FACE_LOW]
+    elif low >= 0 and tracing.links[low, t.LINK_LOW] != t.GOES_ON:
+        low_rad = faces[low, t.FACE_LOW]
+    if high == t.ENDS:
+        high_rad = faces[p, t.FACE_HIGH]
+    elif high >= 0 and tracing.links[high, t.LINK_HIGH] != t.GOES_ON:
+        high_rad = faces[high, t.FACE_HIGH]
+    at_m = half_m * math.tan(theta - foot)
+    low_m, high_m = -math.inf, math.inf
+    if abs(low_rad - foot) < _LEVEL_RAD:
+        low_m = min(half_m * math.tan(low_rad - foot) - at_m, 0.0)
+    if abs(high_rad - foot) < _LEVEL_RAD:
+        high_m = max(half_m * math.tan(high_rad - foot) - at_m, 0.0)
+    cos = max(math.cos(theta - foot), _LEAST)
+    one_m = max(half_m / cos, _LEAST)
+    per_m = cos * clearance_per_m(acoustics.wavelength_m, one_m, max(path_m - one_m, _LEAST))
+    return seen_share(acoustics.fresnel, low_m * per_m, high_m * per_m)
+
+
+@njit()
+def _passed_share(tracing, p, theta, path_m, acoustics):
+    """Return the power that the mirrors before a face let pass by their sizes, each once."""
+    share, mirror = 1.0, tracing.links[p, t.LINK_MIRROR]
+    while mirror >= 0:
+        share *= min(1.0, _turned_share(tracing, mirror, theta, path_m, acoustics))
+        mirror = tracing.links[mirror, t.LINK_MIRROR]
+    return share
+
+
+@njit()
+def _corner_share(tracing, p, q, x, y, acoustics):
+    """Return the power of a right-angled corner of two faces, by its width across its sound."""
+    faces, links = tracing.faces, tracing.links
+    theta, half_m = bearing_to(faces[p], x, y), max(distance_to(faces[p], x, y), _LEAST)
+    width_m = math.inf
+    if links[p, t.LINK_LOW] != t.GOES_ON:
+        width_m = min(width_m, _across_m(faces[p], faces[p, t.FACE_LOW], theta))
+    if links[q, t.LINK_HIGH] != t.GOES_ON:
+        width_m = min(width_m, _across_m(faces[q], faces[q, t.FACE_HIGH], theta))
+    clearance = width_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m)
+    return seen_share(acoustics.fresnel, -clearance, clearance)
+
+
+@njit()
+def _across_m(face, end_rad, theta):
+    """Return how far the end of a face lies off a ray."""
+    half_m, foot = _foot(face)
+    return half_m / max(math.cos(end_rad - foot), _LEAST) * math.sin(abs(end_rad - theta))
+
+
+@njit()
+def _add_pillar(found, tracing, p, monostatic, surfaces, limits, acoustics):
     """Add a pillar's echo: the foot of the perpendicular lies on the line to its centre."""
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
     radius_m = like[t.SURFACE_RADIUS]
     x, y = face[t.FACE_X] - radius_m * face[t.FACE_NX], face[t.FACE_Y] - radius_m * face[t.FACE_NY]
     half_m, theta = distance_to(face, x, y) - radius_m, bearing_to(face, x, y)
-    share_db = 10 * math.log10(radius_m / (radius_m + max(half_m, 0.0)))
+    share_db = pillar_share_db(radius_m, 1.0, max(half_m, _LEAST), max(half_m, _LEAST))
     level_db = _echo_db(tracing, p, half_m, theta, surfaces, acoustics)
     level_db += max(share_db, like[t.SURFACE_FLOOR])
     if _is_detectable(acoustics, limits, half_m, level_db):
         _check_unseen(found, tracing, p, theta, half_m)
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
+    if monostatic or tracing.links[p, t.LINK_MIRRORS] > 0:
+        return
+    own = tracing.links[p, t.LINK_SONAR]
+    own_x, own_y = tracing.sensor_xy_m[own]
+    for sonar in range(tracing.axis_rad.size):
+        if sonar == own:
+            continue
+        to_x, to_y = tracing.sensor_xy_m[sonar]
+        px, py, cos = turning_place(x, y, radius_m, own_x, own_y, to_x, to_y)
+        one_m, other_m = math.hypot(px - own_x, py - own_y), math.hypot(px - to_x, py - to_y)
+        share_db = max(pillar_share_db(radius_m, cos, one_m, other_m), like[t.SURFACE_FLOOR])
+        _add_turned(
+            found, tracing, p, sonar, px, py, one_m, other_m, share_db, cos, surfaces, limits,
+            acoustics,
+        )  # fmt: skip
+
+
+@njit()
+def _add_turned(
+    found, tracing, p, sonar, x, y, one_m, other_m, share_db, cos, surfaces, limits, acoustics
+):
+    """Add the path to another sonar over a place of a pillar, or over an edge, if it is detected.
+
+    Paths over mirrors are left out.
+    """
+    path_m = one_m + other_m
+    if path_m > 2 * limits.reach_m or path_m < limits.least_cross_path_m:
+        return
+    face, to = tracing.faces[p], tracing.sensor_xy_m[sonar]
+    theta = bearing_to(face, x, y)
+    arrival = math.atan2(y - to[1], x - to[0]) - tracing.axis_rad[sonar]
+    level_db = mirror_echo_db(acoustics, path_m) + beam_db(acoustics, theta)
+    level_db += beam_db(acoustics, arrival) + face[t.FACE_LOSS] + tracing.gain_db[sonar]
+    level_db += share_db + surfaces[tracing.links[p, t.LINK_SURFACE], t.SURFACE_MIRROR]
+    latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
+    if level_db + tvg_db(acoustics, latest_s) <= 0:
+        return
+    _check_unseen(found, tracing, p, theta, one_m)
+    _check(found, to[0], to[1], (x - to[0]) / other_m, (y - to[1]) / other_m, other_m)
+    _add(found, tracing, p, sonar, path_m, level_db, math.acos(min(1.0, max(0.0, cos))))
 
 
 @njit()
@@ -208,10 +319,9 @@ def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
     if not face[t.FACE_LOW] - limits.margin_rad < foot < face[t.FACE_HIGH] + limits.margin_rad:
         return
-    plane_db = _echo_db(tracing, p, half_m, foot, surfaces, acoustics)
-    level_db = 10 * math.log10(
-        10 ** (plane_db / 10) + 10 ** ((plane_db + like[t.SURFACE_FLOOR]) / 10)
-    )
+    level_db = _echo_db(tracing, p, half_m, foot, surfaces, acoustics)
+    share = _turned_share(tracing, p, foot, 2 * half_m, acoustics)
+    level_db += 10 * math.log10(share + 10 ** (like[t.SURFACE_FLOOR] / 10) + _NOTHING)
     if _is_detectable(acoustics, limits, half_m, level_db):
         _check_unseen(found, tracing, p, foot, half_m)
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
@@ -320,6 +430,9 @@ def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acousti
         mirror_echo_db(acoustics, path_m) + beam_db(acoustics, theta) + beam_db(acoustics, arrival)
     )
     level_db += face[t.FACE_LOSS] + surfaces[links[t.LINK_SURFACE], t.SURFACE_MIRROR]
+    power = _turned_share(tracing, p, theta, path_m, acoustics)
+    power *= _passed_share(tracing, p, theta, path_m, acoustics)
+    level_db += tracing.gain_db[sonar] + 10 * math.log10(power + _NOTHING)
     latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
     if level_db + tvg_db(acoustics, latest_s) <= 0:
         return
@@ -331,11 +444,28 @@ def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acousti
 
 
 @njit()
-def _add_edge(found, tracing, p, x, y, surfaces, limits, acoustics):
-    """Add the echo of an edge, which falls faster than that of a plane."""
-    half_m = distance_to(tracing.faces[p], x, y)
-    level_db = acoustics.edge_db - 20 * math.log10(max(half_m, 0.01))
+def _add_edge(found, tracing, p, x, y, monostatic, surfaces, limits, acoustics):
+    """Add the echo of an edge, which falls faster than that of a plane; to others, too."""
+    face, own = tracing.faces[p], tracing.links[p, t.LINK_SONAR]
+    half_m = distance_to(face, x, y)
+    level_db = edge_share_db(acoustics.edge_db, half_m, half_m)
     _add_point(found, tracing, p, x, y, level_db, surfaces, limits, acoustics)
+    if monostatic or tracing.links[p, t.LINK_MIRRORS] > 0:
+        return
+    # A ray at the very edge may miss it.
+    inside_m = max(math.hypot(face[t.FACE_X] - x, face[t.FACE_Y] - y), 1e-9)
+    on_x = x + (face[t.FACE_X] - x) * min(1.0, _ON_FACE_M / inside_m)
+    on_y = y + (face[t.FACE_Y] - y) * min(1.0, _ON_FACE_M / inside_m)
+    for sonar in range(tracing.axis_rad.size):
+        if sonar == own:
+            continue
+        to_x, to_y = tracing.sensor_xy_m[sonar]
+        other_m = max(math.hypot(on_x - to_x, on_y - to_y), _LEAST)
+        cos = ((to_x - x) * face[t.FACE_NX] + (to_y - y) * face[t.FACE_NY]) / other_m
+        _add_turned(
+            found, tracing, p, sonar, on_x, on_y, half_m, other_m,
+            edge_share_db(acoustics.edge_db, half_m, other_m), cos, surfaces, limits, acoustics,
+        )  # fmt: skip
 
 
 @njit()

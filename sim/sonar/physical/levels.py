@@ -46,6 +46,10 @@ class Acoustics(NamedTuple):
         How long before a sonar another one may have fired whose sound it detects.
     life_s : float
         How long a sound is remembered.
+    wavelength_m : float
+        Of the tone in the air that there is.
+    fresnel : ndarray
+        See `sim.sonar.physical.fresnel.fresnel_table`.
     beam_db : ndarray
         One-way level at even steps from 0 to pi.
     beyond_db : ndarray
@@ -65,6 +69,8 @@ class Acoustics(NamedTuple):
     window_s: float
     head_start_s: float
     life_s: float
+    wavelength_m: float
+    fresnel: NDArray[np.float64]
     beam_db: NDArray[np.float64]
     beyond_db: NDArray[np.float64]
 

@@ -24,11 +24,13 @@ from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.firing import Firing, InTurn, Ping, fitted, pings
 from sim.sonar.physical.array import ArrayModel, ImageArray, PhysicalArray, known_faces
+from sim.sonar.physical.fresnel import FOCUS_DB, fresnel_table
 from sim.sonar.physical.images.limits import ImageLimits
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, loudest_echo_db
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
+from sim.sonar.physical.spread import Transducers, TransducerSpread
 from sim.sonar.physical.tracing import TracingLimits
 from sim.sonar.protocol import Echoes, SonarArray
 from sonarmap import InputError, SonarRing
@@ -74,6 +76,8 @@ class PhysicalSonar:
         between two rays may be missed; ranges do not depend on it.
     interferers : tuple of Interferer
         Sources of sound besides the robot's own.
+    spread : TransducerSpread
+        How much the ring's transducers differ.
     search : {"auto", "images", "rays"}
         How the sounds that come back are found. "images": they are counted from the room's faces,
         exactly; needs an engine that knows them, as `segments` does. "rays": fans of rays find the
@@ -99,6 +103,7 @@ class PhysicalSonar:
     sound_life_s: float = 0.080
     interferers: tuple[Interferer, ...] = ()
     search: str = "auto"
+    spread: TransducerSpread = field(default_factory=TransducerSpread)
     beacons: InitVar[tuple[Interferer, ...] | None] = None
 
     def __post_init__(self, beacons: tuple[Interferer, ...] | None) -> None:
@@ -119,17 +124,26 @@ class PhysicalSonar:
 
     def array(self, rays: RayCaster, world: World, rng: np.random.Generator) -> SonarArray:
         """Return the sonars of one drive, see `sim.sonar.protocol.Sonar`."""
-        return self._array(rays, world, rng, monostatic=False)
+        transducers = self.spread.drawn(len(self.ring), rng)
+        return self._array(rays, world, rng, transducers, monostatic=False)
 
     def _array(
-        self, rays: RayCaster, world: World, rng: np.random.Generator, *, monostatic: bool
+        self,
+        rays: RayCaster,
+        world: World,
+        rng: np.random.Generator,
+        transducers: Transducers,
+        *,
+        monostatic: bool,
     ) -> SonarArray:
         faces = None if self.search == "rays" else known_faces(rays)
         if faces is not None:
-            return ImageArray(self._model, rays, faces, world, rng, monostatic=monostatic)
+            return ImageArray(
+                self._model, rays, faces, world, rng, transducers, monostatic=monostatic
+            )
         if self.search == "images":
             raise InputError("search 'images' needs an engine that knows the room's faces")
-        return PhysicalArray(self._model, rays, world, rng, monostatic=monostatic)
+        return PhysicalArray(self._model, rays, world, rng, transducers, monostatic=monostatic)
 
     def listen(
         self,
@@ -139,8 +153,12 @@ class PhysicalSonar:
         axis_rad: NDArray[np.float64],
         rng: np.random.Generator,
     ) -> Echoes:
-        """Fire k transducers without cross-talk between them, see `sim.sonar.protocol.Sonar`."""
-        array = self._array(rays, world, rng, monostatic=True)
+        """Fire k transducers without cross-talk between them, see `sim.sonar.protocol.Sonar`.
+
+        They are all alike.
+        """
+        alike = Transducers.alike(len(axis_rad))
+        array = self._array(rays, world, rng, alike, monostatic=True)
         array.fire(0.0, tuple(range(len(axis_rad))), sensor_xy_m, np.asarray(axis_rad))
         return array.detect()
 
@@ -172,7 +190,10 @@ class PhysicalSonar:
             margin_rad=6 * self.ray_step_rad,
             # Nobody else listens before the next firing, unless windows overlap.
             least_cross_path_m=0.0 if self.overlapping else self.air.speed_mps * self._least_gap_s,
-            cone_rad=self.ring.half_angle_rad,
+            axis_number=len(self.bearing_rad) // 2,
+            cone_numbers=int((self.bearing_rad <= self.ring.half_angle_rad + 1e-9).sum())
+            - len(self.bearing_rad) // 2
+            - 1,
             range_max_m=self.ring.range_max_m,
         )
 
@@ -210,6 +231,8 @@ class PhysicalSonar:
         """
         half_m = np.linspace(0.02, self.air.speed_mps * self._audible_s / 2, 500)
         echo_db = np.array([loudest_echo_db(self.acoustics, 2 * half) for half in half_m])
+        # What focuses sound, and the most sensitive transducers, are heard from farther away.
+        echo_db += FOCUS_DB + 2 * self.spread.most_db
         loud = echo_db[:, None] > np.arange(100, -1, -1)
         return np.where(loud.any(axis=0), half_m[len(half_m) - 1 - loud[::-1].argmax(axis=0)], 0.02)
 
@@ -241,6 +264,8 @@ class PhysicalSonar:
             window_s=float(self.window_s),
             head_start_s=latest_s if self.overlapping else 0.0,
             life_s=float(self.sound_life_s),
+            wavelength_m=self.air.speed_mps / float(tone_hz),
+            fresnel=fresnel_table(),
             beam_db=beam_db,
             beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
         )
@@ -269,8 +294,10 @@ class PhysicalSonar:
         half = self.ring.half_angle_rad
         # Near targets are the loudest.
         loudest_db = loudest_echo_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
-        reach = min(max(self.piston.reach_rad(loudest_db), half), math.pi / 2)
-        lobe = min(self.piston.null_rad, reach)
+        loudest_db += FOCUS_DB + 2 * self.spread.most_db
+        reach = max(self.piston.reach_rad(loudest_db) + self.spread.most_rad, half)
+        reach = min(reach, math.pi / 2)
+        lobe = min(self.piston.null_rad + self.spread.most_rad, reach)
         stops = sorted({lobe, half, reach})
         if self.overlapping and reach < _WIDE_RAD:
             stops.append(_WIDE_RAD)
@@ -285,11 +312,18 @@ class PhysicalSonar:
     @cached_property
     def ray_reach_m(self) -> NDArray[np.float64]:
         """How far the rays of a fan go: as far as detection; in the cone as far as the truth."""
-        angle = np.abs(self.bearing_rad)
         table_db = self.acoustics.beam_db
-        sent_db = np.interp(angle, np.linspace(0, math.pi, table_db.size), table_db)
+        angles, lean = np.linspace(0, math.pi, table_db.size), self.spread.most_rad
+        # The beam may lean either way.
+        sent_db = np.max(
+            [
+                np.interp(np.abs(self.bearing_rad + turn), angles, table_db)
+                for turn in np.linspace(-lean, lean, 5)
+            ],
+            axis=0,
+        )
         far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
-        in_cone = angle <= self.ring.half_angle_rad + 1e-9
+        in_cone = np.abs(self.bearing_rad) <= self.ring.half_angle_rad + 1e-9
         reach_m: NDArray[np.float64] = np.maximum(
             far_m, np.where(in_cone, self.ring.range_max_m, 0.1)
         )

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
+from sim.sonar.physical.fresnel import FOCUS_DB, clearance_per_m
 from sim.sonar.physical.levels import beam_db, loudest_echo_db, wrapped
 from sonarmap.kernels.jit import njit
 
@@ -37,6 +38,8 @@ _THINNED = 3
 # Ends of faces are searched until they lie between rays so close, radians: 1.6 mm at 3 m; each
 # search splits the gap into so many parts, because one large batch of rays costs less than many.
 _END_RAD, _SPLIT = math.radians(0.03), 10
+# Ends so near to a foot, as Fresnel's integrals count, change its level by half a decibel or more.
+_NEAR_FOOT = 4.0
 
 
 class TracingLimits(NamedTuple):
@@ -52,15 +55,19 @@ class TracingLimits(NamedTuple):
         So far beyond the rays that meet a face its foot may lie.
     least_cross_path_m : float
         The shortest path on which a sonar that does not fire now may detect a sound.
-    cone_rad, range_max_m : float
-        Nominal half-angle and range, for the truths only.
+    axis_number, cone_numbers : int
+        Number of the ray on the axis in a fan, and how many on either side lie in the nominal
+        cone, for the truths only.
+    range_max_m : float
+        Nominal range, likewise.
     """
 
     reach_m: float
     max_bounces: int
     margin_rad: float
     least_cross_path_m: float
-    cone_rad: float
+    axis_number: int
+    cone_numbers: int
     range_max_m: float
 
 
@@ -69,8 +76,8 @@ class Tracing(NamedTuple):
 
     Parameters
     ----------
-    sensor_xy_m, axis_rad : ndarray, shapes (sonars, 2), (sonars,)
-        All transducers of the ring.
+    sensor_xy_m, axis_rad, gain_db : ndarray, shapes (sonars, 2), (sonars,), (sonars,)
+        All transducers of the ring: places, where their beams look, sensitivities.
     axis_range_m, cone_range_m : ndarray, shape (sonars,)
         True ranges of the sonars that fired; +inf beyond the range.
     faces, links : ndarray, shapes (p, FACE_COLUMNS), (p, t.LINK_COLUMNS)
@@ -87,6 +94,7 @@ class Tracing(NamedTuple):
 
     sensor_xy_m: NDArray[np.float64]
     axis_rad: NDArray[np.float64]
+    gain_db: NDArray[np.float64]
     axis_range_m: NDArray[np.float64]
     cone_range_m: NDArray[np.float64]
     faces: NDArray[np.float64]
@@ -100,7 +108,7 @@ class Tracing(NamedTuple):
 
 
 @njit()
-def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
+def begin_tracing(sonars, sensor_xy_m, axis_rad, gain_db, lean_rad, bearing_rad, reach_m):
     """Return the tracing that asks for the fans of some sonars.
 
     Parameters
@@ -109,10 +117,13 @@ def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
         The sonars that fire.
     sensor_xy_m, axis_rad : ndarray, shapes (sonars of the ring, 2), (sonars of the ring,)
         All transducers.
+    gain_db, lean_rad : ndarray, shape (sonars of the ring,)
+        See `sim.sonar.physical.spread.Transducers`.
     bearing_rad, reach_m : ndarray
         The rays of a fan, and how far each is of interest.
     """
     count = bearing_rad.size
+    beam_rad = axis_rad + lean_rad
     rays = np.zeros((sonars.size * count, t.RAY_COLUMNS))
     ids = np.empty((sonars.size * count, t.ID_COLUMNS), np.int64)
     for i in range(len(rays)):
@@ -122,11 +133,16 @@ def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
             -1,
             k,
         )
-        _depart(rays[i], sensor_xy_m, axis_rad, ids[i, t.ID_SONAR], bearing_rad[k], reach_m[k])
+        own = sonars[i // count]
+        # The fan is spread about the stated axis; bearings count from where the beam looks.
+        _depart(
+            rays[i], sensor_xy_m, beam_rad, gain_db, own, bearing_rad[k] - lean_rad[own], reach_m[k]
+        )
     unknown_m = np.full(axis_rad.size, math.inf)
     return Tracing(
         sensor_xy_m,
-        axis_rad,
+        beam_rad,
+        gain_db,
         unknown_m,
         unknown_m.copy(),
         np.empty((0, t.FACE_COLUMNS)),
@@ -141,13 +157,14 @@ def begin_tracing(sonars, sensor_xy_m, axis_rad, bearing_rad, reach_m):
 
 
 @njit()
-def _depart(ray, sensor_xy_m, axis_rad, sonar, theta, reach_m):
+def _depart(ray, sensor_xy_m, axis_rad, gain_db, sonar, theta, reach_m):
     """Let a ray leave its transducer."""
     ray[t.RAY_X] = ray[t.RAY_IX] = sensor_xy_m[sonar, 0]
     ray[t.RAY_Y] = ray[t.RAY_IY] = sensor_xy_m[sonar, 1]
     angle = axis_rad[sonar] + theta
     ray[t.RAY_DX], ray[t.RAY_DY] = math.cos(angle), math.sin(angle)
     ray[t.RAY_REACH], ray[t.RAY_THETA], ray[t.RAY_SIGN] = reach_m, theta, 1.0
+    ray[t.RAY_LOSS] = gain_db[sonar]
 
 
 @njit()
@@ -174,9 +191,9 @@ def advance_tracing(tracing, leg_m, normal, surface, surfaces, limits, acoustics
     if first:
         _set_true_ranges(tracing, leg, limits)
     face, faces, links, ray_of = _find_faces(leg, surfaces, tracing.mirrors)
-    corners, edges, ends = _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics)
+    corners, edges, ends = _find_boundaries(leg, face, faces, links, ray_of, surfaces, acoustics)
     if tracing.mirrors < limits.max_bounces:
-        ids, rays = _mirrored(leg, face, surfaces, limits, acoustics)
+        ids, rays = _mirrored(leg, face, surfaces, limits, acoustics, tracing.gain_db.max())
     else:
         ids, rays = leg.ids[:0], leg.rays[:0]
     # Behind a mirror an end stays between its two rays: a second-order sound's small error.
@@ -187,6 +204,7 @@ def advance_tracing(tracing, leg_m, normal, surface, surfaces, limits, acoustics
     return Tracing(
         tracing.sensor_xy_m,
         tracing.axis_rad,
+        tracing.gain_db,
         tracing.axis_range_m,
         tracing.cone_range_m,
         faces,
@@ -215,13 +233,13 @@ class _Leg(NamedTuple):
 @njit()
 def _set_true_ranges(tracing, leg, limits):
     for i in range(leg.surface.size):
-        met_m, theta = leg.leg_m[i], leg.rays[i, t.RAY_THETA]
+        met_m, number = leg.leg_m[i], leg.ids[i, t.ID_NUMBER]
         if met_m > limits.range_max_m:
             continue
         sonar = leg.ids[i, t.ID_SONAR]
-        if theta == 0.0:
+        if number == limits.axis_number:
             tracing.axis_range_m[sonar] = met_m
-        if abs(theta) <= limits.cone_rad + 1e-9:
+        if abs(number - limits.axis_number) <= limits.cone_numbers:
             tracing.cone_range_m[sonar] = min(tracing.cone_range_m[sonar], met_m)
 
 
@@ -274,6 +292,7 @@ def _find_faces(leg, surfaces, mirrors):
         new[t.FACE_MX], new[t.FACE_MY] = rays[i, t.RAY_MX], rays[i, t.RAY_MY]
         links[count, t.LINK_SONAR], links[count, t.LINK_SURFACE] = leg.ids[i, t.ID_SONAR], s
         links[count, t.LINK_MIRROR], links[count, t.LINK_MIRRORS] = leg.ids[i, t.ID_MIRROR], mirrors
+        links[count, t.LINK_LOW] = links[count, t.LINK_HIGH] = t.GOES_ON
         ray_of[count, 0] = ray_of[count, 1] = i
         face[i] = count
         count += 1
@@ -294,8 +313,10 @@ def distance_to(face, x, y):
 
 
 @njit()
-def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
+def _find_boundaries(leg, face, faces, links, ray_of, surfaces, acoustics):
     """Return corners, edges and ends to look for; set faces' limits where two lines meet.
+
+    It also sets what is at the limits.
 
     An end is looked for if what is there may be detected.
     """
@@ -325,13 +346,16 @@ def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
                 theta = bearing_to(one, x, y)
                 if rays[i, t.RAY_THETA] - 1e-9 <= theta <= rays[j, t.RAY_THETA] + 1e-9:
                     one[t.FACE_HIGH] = other[t.FACE_LOW] = theta
+                    links[p, t.LINK_HIGH] = links[q, t.LINK_LOW] = t.ENDS
                     if not _is_hollow(leg, ray_of[p, 0], ray_of[q, 1], one, other, x, y):
                         edges[e, t.EDGE_FACE] = leg.known + p
                         edges[e, t.EDGE_X], edges[e, t.EDGE_Y] = x, y
                         e += 1
-                    elif are_square(
-                        one[t.FACE_NX], one[t.FACE_NY], other[t.FACE_NX], other[t.FACE_NY]
-                    ):
+                        continue
+                    dot = one[t.FACE_NX] * other[t.FACE_NX] + one[t.FACE_NY] * other[t.FACE_NY]
+                    if dot < _RIGHT_ANGLE:
+                        links[p, t.LINK_HIGH], links[q, t.LINK_LOW] = leg.known + q, leg.known + p
+                    if abs(dot) < _RIGHT_ANGLE:
                         corners[c, t.CORNER_FACE] = leg.known + p
                         corners[c, t.CORNER_OTHER] = leg.known + q
                         corners[c, t.CORNER_X], corners[c, t.CORNER_Y] = x, y
@@ -340,13 +364,26 @@ def _find_boundaries(leg, face, faces, ray_of, surfaces, acoustics):
         near, far = i, j
         if p < 0 or (q >= 0 and _path_m(leg, j) < _path_m(leg, i)):
             near, far = j, i
-        if _is_end_detectable(leg, near, far, surfaces, acoustics):
+        if leg.surface[far] >= 0 or _reaches_plane(leg, far, faces[face[near]]):
+            links[face[near], t.LINK_HIGH if near < far else t.LINK_LOW] = t.ENDS
+        if _is_end_detectable(leg, near, far, surfaces, acoustics) or _is_end_near_foot(
+            leg, near, faces[face[near]], surfaces, acoustics
+        ):
             ends[b, t.END_FACE], ends[b, t.END_SIDE] = leg.known + face[near], far - near
             ends[b, t.END_INSIDE] = rays[near, t.RAY_THETA]
             ends[b, t.END_OUTSIDE] = rays[far, t.RAY_THETA]
             ends[b, t.END_LENGTH] = leg.leg_m[near]
             b += 1
     return corners[:c], edges[:e], ends[:b]
+
+
+@njit()
+def _reaches_plane(leg, i, face):
+    """Return whether a ray goes so far that it would meet a face that went on."""
+    ray, nx, ny = leg.rays[i], face[t.FACE_NX], face[t.FACE_NY]
+    towards = -(ray[t.RAY_DX] * nx + ray[t.RAY_DY] * ny)
+    height = (ray[t.RAY_X] - face[t.FACE_X]) * nx + (ray[t.RAY_Y] - face[t.FACE_Y]) * ny
+    return towards * ray[t.RAY_REACH] > height
 
 
 @njit()
@@ -396,13 +433,33 @@ def _is_end_detectable(leg, near, far, surfaces, acoustics):
     like = surfaces[leg.surface[near]]
     returned_db = max(acoustics.edge_db - 20 * math.log10(max(half, 0.01)), like[t.SURFACE_FLOOR])
     # 6 dB, because what is looked for lies between the rays.
-    level_db = loudest_echo_db(acoustics, 2 * half) + 2 * sent_db
+    level_db = loudest_echo_db(acoustics, 2 * half) + 2 * (sent_db + leg.rays[near, t.RAY_LOSS])
     return level_db + like[t.SURFACE_MIRROR] + returned_db + 6.0 > 0
 
 
 @njit()
-def _mirrored(leg, face, surfaces, limits, acoustics):
-    """Return (ids, rays) of the rays that a flat face mirrors on and that may matter."""
+def _is_end_near_foot(leg, near, face, surfaces, acoustics):
+    """Return whether an end lies so near to the foot on its face that the level depends on it."""
+    like = surfaces[leg.surface[near]]
+    nx, ny = face[t.FACE_NX], face[t.FACE_NY]
+    half_m = (face[t.FACE_IX] - face[t.FACE_X]) * nx + (face[t.FACE_IY] - face[t.FACE_Y]) * ny
+    if like[t.SURFACE_RADIUS] > 0 or half_m < OFF_SURFACE_M:
+        return False
+    foot = bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
+    aside_m = half_m * math.tan(min(abs(leg.rays[near, t.RAY_THETA] - foot), 1.5))
+    if aside_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m) > _NEAR_FOOT:
+        return False
+    sent_db = beam_db(acoustics, foot) + leg.rays[near, t.RAY_LOSS]
+    level_db = loudest_echo_db(acoustics, 2 * half_m) + FOCUS_DB + 2 * sent_db
+    return level_db + like[t.SURFACE_MIRROR] > 0
+
+
+@njit()
+def _mirrored(leg, face, surfaces, limits, acoustics, most_db):
+    """Return (ids, rays) of the rays that a flat face mirrors on and that may matter.
+
+    No sonar is more sensitive than `most_db`.
+    """
     n = leg.surface.size
     ids = np.empty((n, t.ID_COLUMNS), np.int64)
     rays = np.empty((n, t.RAY_COLUMNS))
@@ -417,11 +474,13 @@ def _mirrored(leg, face, surfaces, limits, acoustics):
         loss_db = ray[t.RAY_LOSS] + like[t.SURFACE_MIRROR]
         one_way_db = beam_db(acoustics, ray[t.RAY_THETA])
         # There and back each mirror is passed twice, on the path to another sonar once.
-        back_db = loudest_echo_db(acoustics, 2 * path_m) + 2 * (one_way_db + loss_db)
+        back_db = loudest_echo_db(acoustics, 2 * path_m) + FOCUS_DB + 2 * (one_way_db + loss_db)
         there_db = (
             loudest_echo_db(acoustics, max(2 * path_m, limits.least_cross_path_m))
+            + FOCUS_DB
             + one_way_db
             + loss_db
+            + most_db
         )
         if back_db <= 0 and (there_db <= 0 or leg.ids[i, t.ID_NUMBER] % _THINNED):
             continue
@@ -468,8 +527,9 @@ def _searching(tracing, ends, links, limits):
         for k in range(1, _SPLIT):
             theta = end[t.END_INSIDE] + (end[t.END_OUTSIDE] - end[t.END_INSIDE]) * (k / _SPLIT)
             _depart(
-                rays[count], tracing.sensor_xy_m, tracing.axis_rad, sonar, theta, limits.reach_m
-            )
+                rays[count], tracing.sensor_xy_m, tracing.axis_rad, tracing.gain_db, sonar, theta,
+                limits.reach_m,
+            )  # fmt: skip
             count += 1
     return rays[:count]
 

@@ -10,7 +10,7 @@ from mirrored_points import Room, Sonar, first_echo
 from rooms import MIRROR, box, closed_room, pillar, world
 
 import worlds
-from sim import AllAtOnce, Eeruf, InTurn, PhysicalSonar, Receiver
+from sim import AllAtOnce, Eeruf, InTurn, PhysicalSonar, Receiver, TransducerSpread
 from sim.engines.segments import Segments
 from sim.sonar import presets as sonars
 from sim.sonar.firing import pings
@@ -18,7 +18,9 @@ from sonarmap import Cause, InputError, SonarRing
 from worlds import MATERIALS, Material, Solid, World
 
 EXACT = Receiver(noise_std_m=0, weak_noise_std_m=0, quantum_m=0)
-SONAR = sonars.preset("physical").replace(receiver=EXACT, search="images")
+# Transducers that are all alike, so that each reading has one true value.
+ALIKE = TransducerSpread(0.0, 0.0)
+SONAR = sonars.preset("physical").replace(receiver=EXACT, search="images", spread=ALIKE)
 BRICK = Material("brick", math.radians(55), 1.0, 0.0, diffuse_floor_db=-20)
 ROOMS = worlds.names()
 
@@ -131,9 +133,10 @@ def test_rays_come_the_closer_the_more_there_are(firing, rng):
     room = smooth(worlds.load("clutter"))
     stops, sonar = poses(room, 12, rng), SONAR.replace(firing=firing)
     coarse, fine = (share_alike(room, stops, sonar, step_deg) for step_deg in (1.0, 0.1))
-    # Rays try rough places only where they meet them: near the threshold that costs millimetres.
-    assert coarse > 0.9
-    assert fine > 0.95
+    # Rays try rough places only where they meet them, and know the size of a face to the gap
+    # between them: near the threshold that costs millimetres.
+    assert coarse > 0.85
+    assert fine > 0.9
     assert fine >= coarse
 
 

@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from rooms import MIRROR, box, closed_room, pillar, world
 
-from sim import AllAtOnce, Eeruf, Interferer, InTurn, PhysicalSonar, Piston, Receiver
+from sim import (
+    AllAtOnce,
+    Eeruf,
+    Interferer,
+    InTurn,
+    PhysicalSonar,
+    Piston,
+    Receiver,
+    TransducerSpread,
+)
 from sim.sonar import presets as sonars
 from sim.sonar.air import Air
 from sonarmap import AMIGOBOT, Cause, InputError, LogTruth, SonarRing
@@ -15,7 +24,8 @@ from worlds import Material
 AHEAD = SonarRing("ahead", [0], [0], [0], math.radians(15), 0.1, 5.0)
 # Exact in all that theory does not speak of: no noise, no steps, no late crossing.
 PLAIN = Receiver(38.0, 1.0, 1e-9, 0.58e-3, noise_std_m=0, weak_noise_std_m=0, quantum_m=0)
-SHARP = PhysicalSonar("sharp", AHEAD, AllAtOnce(0.1), receiver=PLAIN)
+ALIKE = TransducerSpread(0.0, 0.0)
+SHARP = PhysicalSonar("sharp", AHEAD, AllAtOnce(0.1), receiver=PLAIN, spread=ALIKE)
 LOUD = SHARP.replace(receiver=Receiver(56.0, 1.0, 1e-9, 0.58e-3, 0, 0, 0))
 BRICK = Material("brick", math.radians(55), 1.0, 0.0, diffuse_floor_db=-20)
 

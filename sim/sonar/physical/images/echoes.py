@@ -9,24 +9,28 @@ from __future__ import annotations
 
 import math
 
+from sim.sonar.physical.fresnel import FOCUS_DB
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.paths import (
     EDGE_ON_M,
     OFF_M,
-    RIGHT_ANGLE,
     bearing,
     blocked_at,
     in_window,
     is_leg_free,
 )
-from sim.sonar.physical.images.room import FLUSH
+from sim.sonar.physical.images.room import FLUSH, RIGHT_ANGLE
+from sim.sonar.physical.images.shares import corner_share, face_share, mirrors_share
 from sim.sonar.physical.levels import beam_db, mirror_echo_db, tvg_db
+from sim.sonar.physical.turning import edge_share_db, pillar_share_db
 from sonarmap.kernels.jit import njit
 
-__all__ = ["crossing_s", "find_echoes", "has_late", "is_free", "take_first"]
+__all__ = ["crossing_s", "edge_seen", "find_echoes", "has_late", "is_free", "take_first"]
 
 # Feet may lie this share of a face's length beyond its ends, so that none is lost at a joint.
 _OVERHANG = 1e-9
+# A share of the power, so that none has a level, too.
+_NOTHING = 1e-12
 
 
 @njit(error_model="numpy")
@@ -48,8 +52,9 @@ def crossing_s(acoustics, path_m, level_db):
 
 @njit(error_model="numpy")
 def find_echoes(
-    faces, points, arms, before, is_listed, acoustics, limits, x, y, axis, stack, level, echoes
-):
+    faces, points, arms, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level,
+    echoes,
+):  # fmt: skip
     """Find the echoes of an image that may come before the best so far; return how many rows.
 
     What rough places scatter is left out.
@@ -82,7 +87,7 @@ def find_echoes(
                 and px * left_y - py * left_x >= 0
             ):
                 count = _find_of_point(
-                    faces, points, arms, acoustics, limits, stack, level, j, echoes, count
+                    faces, points, arms, stops, acoustics, limits, stack, level, j, echoes, count
                 )
             continue
         ax, ay = faces[i, c.X0] - ix, faces[i, c.Y0] - iy
@@ -107,8 +112,15 @@ def find_echoes(
             level_db = mirror_echo_db(acoustics, 2 * half_m) + faces[i, c.MIRROR]
             sent_db = beam_db(acoustics, bearing(stack, level, ix + px, iy + py))
             level_db += 2 * (stack[level, c.LOSS] + sent_db)
+            foot_m = along / math.sqrt(length_2)
+            share = face_share(
+                faces, stops, acoustics, i, height, foot_m, foot_m, 1.0, half_m, half_m
+            )
+            passed = _passed(faces, stops, acoustics, stack, level, ix + px, iy + py, 2 * half_m)
             # What a rough face scatters at its foot adds to the mirror's.
-            level_db += 10 * math.log10(1 + 10 ** (faces[i, c.FLOOR] / 10))
+            level_db += 10 * math.log10(
+                passed * passed * (share + 10 ** (faces[i, c.FLOOR] / 10)) + _NOTHING
+            )
             count = _with_echo(
                 acoustics, limits, echoes, count, 2 * half_m, level_db, faces[i, c.SURFACE], 0.0,
                 level, ix + px, iy + py, 0.0,
@@ -129,9 +141,9 @@ def find_echoes(
             continue
         back = own_m / (own_m + half_m)
         qx, qy = x + back * ox - ix, y + back * oy - iy
-        along = (qx - ax) * ex + (qy - ay) * ey
+        at = (qx - ax) * ex + (qy - ay) * ey
         if (
-            0 <= along <= length_2
+            0 <= at <= length_2
             and right_x * qy - right_y * qx >= 0
             and qx * left_y - qy * left_x >= 0
             and (qx - on_x) * out_x + (qy - on_y) * out_y > OFF_M
@@ -140,7 +152,17 @@ def find_echoes(
             level_db = mirror_echo_db(acoustics, path_m) + stack[level, c.LOSS]
             level_db += beam_db(acoustics, bearing(stack, level, ix + qx, iy + qy))
             level_db += beam_db(acoustics, math.atan2(oy, ox) - axis) + faces[i, c.MIRROR]
-            incidence_rad = math.acos(min(1.0, own_m / max(back * path_m, 1e-12)))
+            # The transducer sends and receives.
+            level_db += stack[0, c.LOSS]
+            cos = min(1.0, own_m / max(back * path_m, 1e-12))
+            length_m = math.sqrt(length_2)
+            share = face_share(
+                faces, stops, acoustics, i, height, along / length_m, at / length_m, cos,
+                (1 - back) * path_m, back * path_m,
+            )  # fmt: skip
+            share *= _passed(faces, stops, acoustics, stack, level, ix + qx, iy + qy, path_m)
+            level_db += 10 * math.log10(share + _NOTHING)
+            incidence_rad = math.acos(cos)
             count = _with_echo(
                 acoustics, limits, echoes, count, path_m, level_db, faces[i, c.SURFACE],
                 incidence_rad, level, ix + qx, iy + qy, 1.0,
@@ -149,7 +171,15 @@ def find_echoes(
 
 
 @njit(error_model="numpy")
-def _find_of_point(faces, points, arms, acoustics, limits, stack, level, k, echoes, count):
+def _passed(faces, stops, acoustics, stack, level, x, y, path_m):
+    """Return `mirrors_share`, for a call costs where there are none."""
+    if level == 0:
+        return 1.0
+    return mirrors_share(faces, stops, acoustics, stack, level, x, y, path_m)
+
+
+@njit(error_model="numpy")
+def _find_of_point(faces, points, arms, stops, acoustics, limits, stack, level, k, echoes, count):
     """Find the echo of a pillar, a corner or an edge."""
     ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
     px, py, radius_m = points[k, c.POINT_X], points[k, c.POINT_Y], points[k, c.RADIUS]
@@ -165,16 +195,19 @@ def _find_of_point(faces, points, arms, acoustics, limits, stack, level, k, echo
     level_db = mirror_echo_db(acoustics, 2 * half_m)
     level_db += 2 * (stack[level, c.LOSS] + beam_db(acoustics, bearing(stack, level, px, py)))
     # Nothing round or pointed is louder than this.
-    if level_db + tvg_db(acoustics, acoustics.window_s) <= 0:
+    if level_db + FOCUS_DB + tvg_db(acoustics, acoustics.window_s) <= 0:
         return count
+    if level > 0:
+        passed = mirrors_share(faces, stops, acoustics, stack, level, px, py, 2 * half_m)
+        level_db += 20 * math.log10(passed + _NOTHING)
     if radius_m > 0:
-        share_db = 10 * math.log10(radius_m / (radius_m + half_m))
+        share_db = pillar_share_db(radius_m, 1.0, half_m, half_m)
         level_db += max(share_db, points[k, c.POINT_FLOOR]) + points[k, c.POINT_MIRROR]
         return _with_echo(
             acoustics, limits, echoes, count, 2 * half_m, level_db, points[k, c.POINT_SURFACE],
             0.0, level, px, py, 0.0,
         )  # fmt: skip
-    face, share_db = _vertex(
+    face, share_db = _corner_or_edge(
         faces, arms, acoustics, int(points[k, c.FIRST_ARM]), int(points[k, c.LAST_ARM]), -vx, -vy,
         half_m,
     )  # fmt: skip
@@ -188,12 +221,43 @@ def _find_of_point(faces, points, arms, acoustics, limits, stack, level, k, echo
 
 
 @njit(error_model="numpy")
-def _vertex(faces, arms, acoustics, first, last, dx, dy, half_m):
+def _corner_or_edge(faces, arms, acoustics, first, last, dx, dy, half_m):
     """Return (face, level against a perfect mirror) of a vertex seen from a direction.
 
-    What counts are the two arms between which the direction lies: less than a straight angle
-    between them makes a hollow corner, which answers if it is right-angled, more makes an edge.
-    Face -1 stands for nothing that answers.
+    A hollow corner answers if it is right-angled. Face -1 stands for nothing that answers.
+    """
+    right, right_rad, left, left_rad = _seen_arms(arms, first, last, dx, dy)
+    if right < 0:
+        return -1, 0.0
+    if right_rad + left_rad >= math.pi:
+        face = _edge_face(arms, right, right_rad, left, left_rad)
+        edge_db = edge_share_db(acoustics.edge_db, half_m, half_m)
+        return face, edge_db + faces[face, c.MIRROR]
+    dot = arms[right, c.ARM_X] * arms[left, c.ARM_X] + arms[right, c.ARM_Y] * arms[left, c.ARM_Y]
+    if abs(dot) >= RIGHT_ANGLE:
+        return -1, 0.0
+    one, other = int(arms[right, c.ARM_FACE]), int(arms[left, c.ARM_FACE])
+    share = corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m)
+    mirrors_db = faces[one, c.MIRROR] + faces[other, c.MIRROR]
+    return min(one, other), mirrors_db + 10 * math.log10(share + _NOTHING)
+
+
+@njit(error_model="numpy")
+def edge_seen(faces, arms, first, last, dx, dy):
+    """Return (face, level of its mirror) of a vertex that is an edge from a direction, else -1."""
+    right, right_rad, left, left_rad = _seen_arms(arms, first, last, dx, dy)
+    if right < 0 or right_rad + left_rad < math.pi:
+        return -1, 0.0
+    face = _edge_face(arms, right, right_rad, left, left_rad)
+    return face, faces[face, c.MIRROR]
+
+
+@njit(error_model="numpy")
+def _seen_arms(arms, first, last, dx, dy):
+    """Return the two arms of a vertex between which a direction lies, and their angles to it.
+
+    Less than a straight angle between them makes a hollow corner, more an edge; a straight one,
+    and no arm at all, -1.
     """
     right, left = -1, -1
     right_rad, left_rad = math.inf, math.inf
@@ -207,24 +271,23 @@ def _vertex(faces, arms, acoustics, first, last, dx, dy, half_m):
         if forth < left_rad:
             left, left_rad = k, forth
     if right < 0:
-        return -1, 0.0
+        return -1, 0.0, -1, 0.0
     dot = arms[right, c.ARM_X] * arms[left, c.ARM_X] + arms[right, c.ARM_Y] * arms[left, c.ARM_Y]
     cross = arms[right, c.ARM_X] * arms[left, c.ARM_Y] - arms[right, c.ARM_Y] * arms[left, c.ARM_X]
     if dot < 0 and abs(cross) < FLUSH:
-        return -1, 0.0
+        return -1, 0.0, -1, 0.0
+    return right, right_rad, left, left_rad
+
+
+@njit(error_model="numpy")
+def _edge_face(arms, right, right_rad, left, left_rad):
+    """Return the face of an edge: both of its faces are seen, the first of them counts, or one."""
     one, other = int(arms[right, c.ARM_FACE]), int(arms[left, c.ARM_FACE])
-    if right_rad + left_rad < math.pi:
-        if abs(dot) >= RIGHT_ANGLE:
-            return -1, 0.0
-        return min(one, other), faces[one, c.MIRROR] + faces[other, c.MIRROR]
-    # Of an edge both faces are seen, or one.
-    face = min(one, other)
     if right_rad >= math.pi:
-        face = other
-    elif left_rad >= math.pi:
-        face = one
-    level_db = acoustics.edge_db - 20 * math.log10(max(half_m, 0.01))
-    return face, level_db + faces[face, c.MIRROR]
+        return other
+    if left_rad >= math.pi:
+        return one
+    return min(one, other)
 
 
 @njit(error_model="numpy")

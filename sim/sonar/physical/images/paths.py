@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from sim.sonar.physical.fresnel import FOCUS_DB
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.levels import beam_bound_db, loudest_echo_db
 from sonarmap.kernels.jit import njit
@@ -16,7 +17,6 @@ from worlds.raycast import first_hit
 __all__ = [
     "EDGE_ON_M",
     "OFF_M",
-    "RIGHT_ANGLE",
     "bearing",
     "blocked_at",
     "in_window",
@@ -29,8 +29,6 @@ __all__ = [
 
 EDGE_ON_M = 1e-9
 """A face whose line passes so near to a sonar is seen edge-on."""
-RIGHT_ANGLE = math.sin(math.radians(2.0))
-"""Two faces send back like a mirror if they make a right angle to this; assumed."""
 OFF_M = 1e-6
 """A mirrored leg begins this far off its mirror, so that it does not meet it again."""
 # A leg is free if it meets nothing until so far before its end, metres: its end may lie that deep
@@ -41,13 +39,13 @@ _HIDDEN_PARTS = 8
 
 
 @njit(error_model="numpy")
-def set_transducer(stack, wide_rad, x, y, axis):
+def set_transducer(stack, wide_rad, x, y, axis, gain_db):
     """Let a stack begin with the transducer itself: its window is as wide as its sound."""
     ax, ay = math.cos(axis), math.sin(axis)
     cos, sin = math.cos(wide_rad), math.sin(wide_rad)
     stack[0, c.IMAGE_X], stack[0, c.IMAGE_Y] = x, y
     stack[0, c.AXIS_X], stack[0, c.AXIS_Y] = ax, ay
-    stack[0, c.SIGN], stack[0, c.LOSS] = 1.0, 0.0
+    stack[0, c.SIGN], stack[0, c.LOSS] = 1.0, gain_db
     stack[0, c.RIGHT_X], stack[0, c.RIGHT_Y] = ax * cos + ay * sin, ay * cos - ax * sin
     stack[0, c.LEFT_X], stack[0, c.LEFT_Y] = ax * cos - ay * sin, ay * cos + ax * sin
     stack[0, c.WINDOW_X] = stack[0, c.WINDOW_Y] = stack[0, c.ON_X] = stack[0, c.ON_Y] = 0.0
@@ -189,12 +187,14 @@ def is_leg_free(rays, x, y, to_x, to_y):
 
 @njit(error_model="numpy")
 def next_image(
-    faces, before, is_listed, rays, acoustics, stack, level, own_m, others_least_m, others_m
-):
+    faces, before, is_listed, rays, acoustics, stack, level, own_m, others_least_m, others_m,
+    others_db,
+):  # fmt: skip
     """Set the next image over a mirror that an image sees, one level up; return whether there is.
 
     Mirrors matter if echoes from behind them may be detected from up to `own_m` away, or paths of
-    `others_least_m` to twice `others_m` by other sonars.
+    `others_least_m` to twice `others_m` by other sonars, of which none is more sensitive than
+    `others_db`.
     """
     mirror = int(stack[level, c.FACE])
     listed = level > 0 and is_listed
@@ -227,10 +227,11 @@ def next_image(
         qx, qy = ix + ax + high * ex, iy + ay + high * ey
         one, other = bearing(stack, level, px, py), bearing(stack, level, qx, qy)
         sent_db = beam_bound_db(acoustics, min(one, other), max(one, other)) + loss_db
-        matters = near_m < own_m and loudest_echo_db(acoustics, 2 * near_m) + 2 * sent_db > 0
+        own_db = loudest_echo_db(acoustics, 2 * near_m) + FOCUS_DB
+        matters = near_m < own_m and own_db + 2 * sent_db > 0
         if not matters and near_m < others_m:
             least_m = max(2 * near_m, others_least_m)
-            matters = loudest_echo_db(acoustics, least_m) + sent_db > 0
+            matters = loudest_echo_db(acoustics, least_m) + FOCUS_DB + others_db + sent_db > 0
         # Without lists an image costs much: mirrors that cannot be seen are left out.
         if not matters or (not is_listed and _is_hidden(rays, stack, level, px, py, qx, qy)):
             continue

@@ -13,15 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.sonar.physical.images import columns as c
+from sim.sonar.physical.images.extents import Joints, arm_reaches, face_stops
 from sonarmap.kernels.jit import njit
 from worlds import World
 from worlds.faces import Faces
 from worlds.facetable import FaceTable
 
-__all__ = ["FLUSH", "SAME_PLACE_M", "ImageRoom", "Scene", "image_room", "scene_of"]
+__all__ = ["FLUSH", "RIGHT_ANGLE", "SAME_PLACE_M", "ImageRoom", "Scene", "image_room", "scene_of"]
 
 SAME_PLACE_M = 1e-4
 """Places so near to each other are one: walls that are drawn to touch may miss by rounding."""
+RIGHT_ANGLE = math.sin(math.radians(2.0))
+"""Two faces send back like a mirror if they make a right angle to this; assumed."""
 FLUSH = 1e-3
 """Two faces at a vertex are flush if the sine of the angle between them is smaller."""
 # A room of more things than this has no lists of what stands before a mirror: they would grow
@@ -34,8 +37,9 @@ class Scene(NamedTuple):
 
     Parameters
     ----------
-    faces, points, arms : ndarray
-        Segments; pillars and vertices, pillars first; arms of vertices: see the columns.
+    faces, points, arms, stops : ndarray
+        Segments; pillars and vertices, pillars first; arms of vertices; stops of segments: see the
+        columns.
     before : ndarray of int32
         Numbers of the things that stand before each mirror: segments first, then points.
     is_listed : bool
@@ -47,6 +51,7 @@ class Scene(NamedTuple):
     faces: NDArray[np.float64]
     points: NDArray[np.float64]
     arms: NDArray[np.float64]
+    stops: NDArray[np.float64]
     before: NDArray[np.int32]
     is_listed: bool
     rays: tuple[NDArray[np.generic], ...]
@@ -69,6 +74,12 @@ class ImageRoom(NamedTuple):
         Unit vectors from a vertex along the faces that touch it, counter-clockwise.
     arm_face : ndarray of int64, shape (n,)
         The segment of each arm.
+    arm_reach_m : ndarray, shape (n, 2)
+        How far it goes on, seen from its left and from its right; +inf for far.
+    stops : ndarray, shape (m, STOP_COLUMNS)
+        Where segments end, see `sim.sonar.physical.images.extents`.
+    stop_ranges : ndarray of int64, shape (s, 3)
+        Where those of each segment begin, those on its other side, and where these end.
     before_start : ndarray of int64, shape (s + 1,)
         Where the list of each mirror begins in `before`; empty if `is_listed` is False.
     before : ndarray of int32
@@ -82,6 +93,9 @@ class ImageRoom(NamedTuple):
     arm_start: NDArray[np.int64]
     arms: NDArray[np.float64]
     arm_face: NDArray[np.int64]
+    arm_reach_m: NDArray[np.float64]
+    stops: NDArray[np.float64]
+    stop_ranges: NDArray[np.int64]
     before_start: NDArray[np.int64]
     before: NDArray[np.int32]
     is_listed: bool
@@ -107,6 +121,7 @@ def scene_of(faces: Faces, world: World) -> Scene:
     packed[:, c.OUTWARD], packed[:, c.SURFACE] = room.outward, of_face
     packed[:, c.MIRROR], packed[:, c.FLOOR] = mirror_db[of_face], world.diffuse_floor_db[of_face]
     packed[:, c.FIRST], packed[:, c.LAST] = room.before_start[:-1], room.before_start[1:]
+    packed[:, c.FIRST_STOP : c.LAST_STOP + 1] = room.stop_ranges
     round_ = len(table.circles)
     points = np.zeros((round_ + len(room.vertices), c.POINT_COLUMNS))
     points[:round_, c.POINT_X : c.RADIUS + 1] = table.circles
@@ -121,7 +136,8 @@ def scene_of(faces: Faces, world: World) -> Scene:
     return Scene(
         packed,
         points,
-        np.column_stack([room.arms, room.arm_face]),
+        np.column_stack([room.arms, room.arm_face, room.arm_reach_m]),
+        room.stops,
         room.before,
         room.is_listed,
         (
@@ -142,9 +158,17 @@ def _prepare(faces: Faces) -> ImageRoom:
     places = _distinct(np.concatenate([ends, _crossings(*_grid(table), table.segments)]))
     counts, arms, arm_face = _arms(*_grid(table), table.segments, table.normals, places)
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    joints = _joints(table, places, start, arms, arm_face)
+    stops, stop_ranges = face_stops(joints, table.normals, outward, RIGHT_ANGLE, FLUSH)
+    reach_m = arm_reaches(joints, FLUSH)
     matters = _matter(start, arms)
     of_arm = np.repeat(matters, counts)
-    vertices, arms, arm_face = places[matters], arms[of_arm], arm_face[of_arm]
+    vertices, arms, arm_face, reach_m = (
+        places[matters],
+        arms[of_arm],
+        arm_face[of_arm],
+        reach_m[of_arm],
+    )
     start = np.concatenate([[0], np.cumsum(counts[matters])]).astype(np.int64)
     is_listed = len(table.segments) + len(table.circles) + len(vertices) <= _MOST_LISTED
     if is_listed:
@@ -153,7 +177,47 @@ def _prepare(faces: Faces) -> ImageRoom:
         )
     else:
         before_start, before = np.zeros(len(outward) + 1, np.int64), np.empty(0, np.int32)
-    return ImageRoom(outward, vertices, start, arms, arm_face, before_start, before, is_listed)
+    return ImageRoom(
+        outward,
+        vertices,
+        start,
+        arms,
+        arm_face,
+        reach_m,
+        stops,
+        stop_ranges,
+        before_start,
+        before,
+        is_listed,
+    )
+
+
+def _joints(
+    table: FaceTable,
+    places: NDArray[np.float64],
+    start: NDArray[np.int64],
+    arms: NDArray[np.float64],
+    arm_face: NDArray[np.int64],
+) -> Joints:
+    """Return all places with their arms, and the places on each face in their order."""
+    pairs = np.unique(
+        np.column_stack([arm_face, np.repeat(np.arange(len(places)), np.diff(start))]), axis=0
+    )
+    face, place = pairs[:, 0], pairs[:, 1]
+    begin, normal = table.segments[face, :2], table.normals[face]
+    offset = places[place] - begin
+    along_m = offset[:, 1] * normal[:, 0] - offset[:, 0] * normal[:, 1]
+    order = np.lexsort([along_m, face])
+    face_start = np.searchsorted(face, np.arange(len(table.segments) + 1))
+    return Joints(
+        places,
+        start,
+        arms,
+        arm_face,
+        face_start,
+        along_m[order],
+        np.ascontiguousarray(place[order]),
+    )
 
 
 def _outward(faces: Faces) -> NDArray[np.int8]:

@@ -21,8 +21,8 @@ __all__ = ["listen_images"]
 
 @njit(error_model="numpy")
 def listen_images(
-    scene, surfaces, acoustics, limits, monostatic, times_s, sonars, start, xy, axis, sounds,
-    draws, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m,
+    scene, surfaces, acoustics, limits, monostatic, gain_db, lean_rad, times_s, sonars, start, xy,
+    axis, sounds, draws, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m,
 ):  # fmt: skip
     """Return (readings, firings, detections, the sounds that later firings may still detect).
 
@@ -35,6 +35,9 @@ def listen_images(
     limits : ImageLimits
     monostatic : bool
         Whether each sonar receives its own sound only.
+    gain_db, lean_rad : ndarray, shape (ring,)
+        How much more sensitive each transducer is than the nominal one, and how far its beam leans
+        to the left of its axis.
     times_s : ndarray, shape (p,)
         When sonars fired together, p times.
     sonars, start : ndarray of int, shapes (n,), (p + 1,)
@@ -60,14 +63,14 @@ def listen_images(
         for k in range(start[p], start[p + 1]):
             fired[k, t.FIRED_TIME], fired[k, t.FIRED_SONAR] = times_s[p], sonars[k]
             sounds, count = _own_sounds(
-                scene, acoustics, limits, fired, k, sonars[k], xy[p], axis[p], stack, echoes,
-                until_m, sounds, count,
+                scene, acoustics, limits, gain_db, lean_rad, fired, k, sonars[k], xy[p], axis[p],
+                stack, echoes, until_m, sounds, count,
             )  # fmt: skip
         if not monostatic and axis.shape[1] > 1:
             for k in range(start[p], start[p + 1]):
                 sounds, count = _others_sounds(
-                    scene, acoustics, limits, times_s[p], sonars[k], xy[p], axis[p], stack, echoes,
-                    until_m, sounds, count,
+                    scene, acoustics, limits, gain_db, times_s[p], sonars[k], xy[p],
+                    axis[p] + lean_rad, stack, echoes, until_m, sounds, count,
                 )  # fmt: skip
     detections, sounds = detect(fired, sounds[:count], acoustics)
     reading_m = readings(
@@ -78,22 +81,24 @@ def listen_images(
 
 @njit(error_model="numpy")
 def _own_sounds(
-    scene, acoustics, limits, fired, k, sonar, xy, axes, stack, echoes, until_m, sounds, count
-):
+    scene, acoustics, limits, gain_db, lean_rad, fired, k, sonar, xy, axes, stack, echoes, until_m,
+    sounds, count,
+):  # fmt: skip
     """Set true ranges; add what a sonar detects first of its own sound, and what comes late."""
-    faces, points, arms, before, is_listed, rays = scene
+    faces, points, arms, stops, before, is_listed, rays = scene
     sent_s, x, y, axis = fired[k, t.FIRED_TIME], xy[sonar, 0], xy[sonar, 1], axes[sonar]
     fired[k, t.FIRED_AXIS], fired[k, t.FIRED_CONE] = true_ranges(
         faces, points, rays, limits.range_max_m, limits.cone_rad, x, y, axis
     )
     echoes[0, c.CROSSING], echoes[0, c.BOUNCES] = acoustics.window_s, -1.0
-    set_transducer(stack, limits.wide_rad, x, y, axis)
+    axis += lean_rad[sonar]
+    set_transducer(stack, limits.wide_rad, x, y, axis, gain_db[sonar])
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
             found = find_echoes(
-                faces, points, arms, before, is_listed, acoustics, limits, x, y, axis, stack,
-                level, echoes,
+                faces, points, arms, stops, before, is_listed, acoustics, limits, x, y, axis,
+                stack, level, echoes,
             )  # fmt: skip
             if found > 1:
                 found = take_first(rays, stack, level, x, y, echoes, found)
@@ -111,7 +116,7 @@ def _own_sounds(
         if not limits.is_late:
             far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
         if level < limits.max_bounces and next_image(
-            faces, before, is_listed, rays, acoustics, stack, level, far_m, 0.0, 0.0
+            faces, before, is_listed, rays, acoustics, stack, level, far_m, 0.0, 0.0, 0.0
         ):
             level += 1
         else:
@@ -126,24 +131,25 @@ def _own_sounds(
 
 @njit(error_model="numpy")
 def _others_sounds(
-    scene, acoustics, limits, sent_s, sonar, xy, axes, stack, found, until_m, sounds, count
+    scene, acoustics, limits, gain_db, sent_s, sonar, xy, axes, stack, found, until_m, sounds, count
 ):
     """Add the sounds of a sonar that the others may detect."""
-    faces, _, _, before, is_listed, rays = scene
-    set_transducer(stack, limits.wide_rad, xy[sonar, 0], xy[sonar, 1], axes[sonar])
+    faces, _, _, _, before, is_listed, rays = scene
+    set_transducer(stack, limits.wide_rad, xy[sonar, 0], xy[sonar, 1], axes[sonar], gain_db[sonar])
     # The listeners lie in a circle about the sonar.
     spread_m = 0.0
     for k in range(len(axes)):
         dx, dy = xy[k, 0] - xy[sonar, 0], xy[k, 1] - xy[sonar, 1]
         spread_m = max(spread_m, math.sqrt(dx * dx + dy * dy))
+    most_db = gain_db.max()
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
             looked, paths = 0, 1
             while paths > 0:
                 looked, paths = find_crosstalk(
-                    faces, before, is_listed, acoustics, limits, stack, level, sonar, xy, axes,
-                    until_m, spread_m, looked, found,
+                    scene, acoustics, limits, stack, level, sonar, xy, axes, gain_db, until_m,
+                    spread_m, most_db, looked, found,
                 )  # fmt: skip
                 for e in range(paths):
                     listener = int(found[e, c.IS_STRAIGHT])
@@ -156,7 +162,7 @@ def _others_sounds(
                         )
         if level < limits.max_bounces and next_image(
             faces, before, is_listed, rays, acoustics, stack, level, 0.0,
-            limits.least_cross_path_m, limits.reach_m,
+            limits.least_cross_path_m, limits.reach_m, most_db,
         ):  # fmt: skip
             level += 1
         else:

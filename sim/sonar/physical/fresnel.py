@@ -1,0 +1,68 @@
+"""Compiled: how much of the sound a face turns or lets pass that is small for a Fresnel zone.
+
+Across a face between two places, d1 and d2 away on the path, the sound of its parts adds up by
+Fresnel's integrals (Born and Wolf, *Principles of Optics*, section 8.7). A mirror that is passed is
+an opening in unfolded space, so one formula serves both. Heights are not looked at: solids are
+taken to be tall.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import fresnel
+
+from sonarmap.kernels.jit import njit
+
+__all__ = ["FOCUS_DB", "clearance_per_m", "fresnel_table", "seen_share"]
+
+FOCUS_DB = 2.6
+"""A face of the size of its first Fresnel zone answers louder than a large one, by so much."""
+# What is so far from the path, as `clearance_per_m` counts, sends its sound when a pulse of 16
+# cycles is over: 16 wavelengths later. Ripples fade out on the way there.
+_FADES_FROM, _LAST, _PER_UNIT = 6.0, 8.0, 50
+
+
+def fresnel_table() -> NDArray[np.float64]:
+    """Return Fresnel's integrals C and S, one row each 0.02, for `seen_share`."""
+    u = np.arange(round(_LAST * _PER_UNIT) + 1) / _PER_UNIT
+    sine, cosine = fresnel(u)
+    fade = np.clip((_LAST - u) / (_LAST - _FADES_FROM), 0, 1)
+    fade = fade * fade * (3 - 2 * fade)
+    table: NDArray[np.float64] = 0.5 + (np.column_stack([cosine, sine]) - 0.5) * fade[:, None]
+    return table
+
+
+@njit(error_model="numpy")
+def clearance_per_m(wavelength_m, one_m, other_m):
+    """Return what a distance across a path, metres, is multiplied with to be Fresnel's argument.
+
+    The path goes on for `one_m` before and for `other_m` after the place.
+    """
+    return math.sqrt(2 * (one_m + other_m) / (wavelength_m * one_m * other_m))
+
+
+@njit(error_model="numpy")
+def seen_share(table, low, high):
+    """Return the power of a face between two Fresnel arguments against that of a large one."""
+    if low <= -_LAST and high >= _LAST:
+        return 1.0
+    low_c, low_s = _integrals(table, low)
+    high_c, high_s = _integrals(table, high)
+    across, along = high_c - low_c, high_s - low_s
+    return (across * across + along * along) / 2
+
+
+@njit(error_model="numpy")
+def _integrals(table, u):
+    size = abs(u)
+    if size >= _LAST:
+        return math.copysign(0.5, u), math.copysign(0.5, u)
+    place = size * _PER_UNIT
+    k = int(place)
+    rest = place - k
+    cosine = table[k, 0] + rest * (table[k + 1, 0] - table[k, 0])
+    sine = table[k, 1] + rest * (table[k + 1, 1] - table[k, 1])
+    return math.copysign(cosine, u), math.copysign(sine, u)
