@@ -10,7 +10,13 @@ from sim.sonar.physical import columns as t
 from sim.sonar.physical.detection import detect, readings
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.crosstalk import find_crosstalk
-from sim.sonar.physical.images.echoes import find_echoes, has_late, is_free, take_first
+from sim.sonar.physical.images.echoes import (
+    find_of_faces,
+    find_of_points,
+    has_late,
+    is_free,
+    take_first,
+)
 from sim.sonar.physical.images.paths import blocked_at, is_leg_free, next_image, set_transducer
 from sim.sonar.physical.images.scatter import find_scatter
 from sim.sonar.physical.images.truth import true_ranges
@@ -96,20 +102,27 @@ def _own_sounds(
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
-            found = find_echoes(
-                faces, points, arms, stops, before, is_listed, acoustics, limits, x, y, axis,
-                stack, level, echoes,
-            )  # fmt: skip
-            if found > 1:
-                found = take_first(rays, stack, level, x, y, echoes, found)
-            if limits.is_late:
-                for e in range(1, found):
-                    if has_late(limits, echoes[e, c.PATH]) and is_free(
-                        rays, stack, level, x, y, echoes, e
-                    ):
-                        sounds, count = _with_sound(
-                            sounds, count, sent_s, sonar, sonar, echoes, e, level
-                        )
+            for of_points in (False, True):
+                if of_points:
+                    found = find_of_points(
+                        faces, points, arms, stops, before, is_listed, acoustics, limits, stack,
+                        level, echoes,
+                    )  # fmt: skip
+                else:
+                    found = find_of_faces(
+                        faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack,
+                        level, echoes,
+                    )  # fmt: skip
+                if found > 1:
+                    found = take_first(rays, stack, level, x, y, echoes, found)
+                if limits.is_late:
+                    for e in range(1, found):
+                        if has_late(limits, echoes[e, c.PATH]) and is_free(
+                            rays, stack, level, x, y, echoes, e
+                        ):
+                            sounds, count = _with_sound(
+                                sounds, count, sent_s, sonar, sonar, echoes, e, level
+                            )
             find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level, echoes)
             stack[level, c.NEXT] = 0
         far_m = limits.reach_m
