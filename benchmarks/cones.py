@@ -11,10 +11,11 @@ import gymnasium
 import numpy as np
 from rays import hall
 
-import sim
 import worlds
 from sim.envs.registration import IDS
+from sim.runs.arguments import DriveArguments
 from sim.runs.batch.drives import BatchDrive, simulate_batch
+from sim.runs.plain import plain_log
 from sim.sonar import presets as sonars
 from sim.sonar.cone.sonar import FAN_RAYS
 
@@ -30,7 +31,7 @@ def main() -> None:
 
 
 def many_drives() -> None:
-    """Print readings a second of many drives, beside `simulate`, one after the other."""
+    """Print readings a second of many drives, beside one step by step, one after the other."""
     rooms = [worlds.load(name) for name in ROOMS]
     drives = [BatchDrive(rooms[k % 4], 1000, k, "wander") for k in range(16)]
     list(simulate_batch(drives[:4]))
@@ -40,13 +41,17 @@ def many_drives() -> None:
         readings = sum(len(log) for _, log in simulate_batch(drives))
         best, cost = min(best, perf_counter() - begin), min(cost, process_time() - used)
     used = process_time()
-    alone = len(sim.simulate(
-        rooms[0], scans=1000, seed=0, driver="wander", sonar=EXACT, engine="segments"
-    ))  # fmt: skip
+    alone = len(
+        plain_log(
+            DriveArguments.of(
+                rooms[0], scans=1000, seed=0, driver="wander", sonar=EXACT, engine="segments"
+            )
+        )
+    )
     used = process_time() - used
     print(
         f"many drives: {readings / best:,.0f} readings/s (wanted 500,000 on two cores), "
-        f"{cost / readings * 1e6:.2f} us a reading; simulate {used / alone * 1e6:.1f} us a reading"
+        f"{cost / readings * 1e6:.2f} us a reading; step by step {used / alone * 1e6:.1f} us"
     )
 
 

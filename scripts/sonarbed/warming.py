@@ -44,15 +44,16 @@ def _cones() -> None:
     room = worlds.load(_ROOM)
     for sonar in ("thesis", "aria", "webots"):
         sim.simulate(room, scans=_SCANS, seed=0, sonar=sonar, engine="segments")
-    drive = sim.BatchDrive(room, _SCANS, 0, "wander")
-    list(sim.simulate_batch([drive], workers=1))
+    packets = sim.StatusPackets()  # a drive with them goes step by step
+    sim.simulate(room, scans=_SCANS, seed=0, sonar="aria", engine="segments", packets=packets)
 
 
 def _physical() -> None:
     import sim
     import worlds
 
-    sim.simulate(worlds.load(_ROOM), scans=_SCANS, seed=0, engine="segments")
+    for packets in (None, sim.StatusPackets()):  # a drive with them goes step by step
+        sim.simulate(worlds.load(_ROOM), scans=_SCANS, seed=0, engine="segments", packets=packets)
 
 
 def _bullet() -> None:

@@ -26,6 +26,7 @@ from sim.envs.tasks.task import StepOutcome, Task, TaskSetup
 from sim.envs.threads import threads_for
 from sim.envs.values import check_names
 from sim.robot.clock import check_steps
+from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.firing import check_firing
 from sim.sonar.protocol import Sonar
 from sonarmap import InputError, OccupancyMap
@@ -290,7 +291,7 @@ class EpisodeBatch:
         check_firing(sonar.firing, len(sonar.ring))
         spec, robots = self._spec, self._robots
         backend: Backend
-        if spec.engine == "segments" and sonar.compiled_cone() is not None:
+        if spec.engine == "segments" and isinstance(sonar.compiled(), CompiledCone):
             backend = CompiledBackend(sonar, robots, spec.control_s, self._threads)
         else:
             backend = EngineBackend(spec.engine, robots, len(sonar.ring), spec.control_s)
@@ -345,6 +346,6 @@ class EpisodeBatch:
 
 def _fixed_by(sonar: Sonar) -> tuple[object, ...]:
     """Return what a sonar fixes of backend and maps, which cannot change while they are open."""
-    cone = sonar.compiled_cone()
-    rays = None if cone is None else cone.rays
+    cone = sonar.compiled()
+    rays = cone.rays if isinstance(cone, CompiledCone) else None
     return str(sonar.ring.to_dict()), sonar.firing.period_s, rays

@@ -201,7 +201,7 @@ def _sonar(given: Any) -> Sonar:
         sonar = sonars.preset(given)
     elif isinstance(given, Mapping):
         sonar = described("sonar", given)
-    for need in ("name", "ring", "firing", "array", "compiled_cone"):
+    for need in ("name", "ring", "firing", "array", "compiled"):
         if isinstance(sonar, type) or not hasattr(sonar, need):
             raise InputError(f"sonar must be the name of a preset or a sonar, got {given!r}")
     return sonar  # type: ignore[no-any-return]

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from sim.runs.batch.drives import BatchDrive, is_compiled, simulate_batch
+from sim.runs.arguments import DriveArguments
+from sim.runs.batch.drives import BatchDrive, simulate_batch
+from sim.runs.compiled.drive import runs_compiled
 from sim.runs.parallel import checked_jobs, run_all, stop_if_cancelled
-from sim.runs.simulation import DriveArguments, simulate
+from sim.runs.simulation import simulate
 from sonarmap import Cause, InputError, SonarLog
 from sonarmap.account import account_of, contacts_of
 from sonarmap.errors import whole
@@ -22,8 +24,6 @@ from worlds import World
 __all__ = ["MANIFEST", "log_entry", "simulate_many"]
 
 MANIFEST = "manifest.json"
-# A drive that is compiled ends before it hears Ctrl-C: the longest that may be takes half a second.
-_MOST_COMPILED_SCANS = 20_000
 
 
 def simulate_many(
@@ -37,9 +37,9 @@ def simulate_many(
 ) -> dict[str, Any]:
     """Simulate a log for each seed into `folder` and return the manifest written beside them.
 
-    Each log is that of `simulate`. Drives of an exact simple cone on the engine "segments" run
-    compiled, many times faster, see `simulate_batch`, which also takes a room, a driver and a
-    sonar for each.
+    Each log is that of `simulate`. Drives that run compiled, on the engine "segments", are shared
+    out to threads, see `simulate_batch`, which also takes a room, a driver and a sonar for each;
+    others to processes.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def simulate_many(
             on_done(seeds[index])
 
     try:
-        if _runs_compiled(asked):
+        if runs_compiled(asked):
             drives = (_batch_drive(asked, seed) for seed in seeds)
             for index, log in simulate_batch(drives, workers=jobs):
                 entries[index] = _written(log, folder, seeds[index])
@@ -134,17 +134,6 @@ def _simulate_one(
 ) -> dict[str, Any]:
     log = simulate(world, seed=seed, on_scan=lambda scan: stop_if_cancelled(), **arguments)
     return _written(log, folder, seed)
-
-
-def _runs_compiled(asked: DriveArguments) -> bool:
-    """Return whether drives with these arguments can run compiled."""
-    return (
-        asked.engine == "segments"
-        and asked.packets is None
-        and not asked.gui
-        and asked.scans <= _MOST_COMPILED_SCANS
-        and is_compiled(asked.driver, asked.sonar)
-    )
 
 
 def _batch_drive(asked: DriveArguments, seed: int) -> BatchDrive:

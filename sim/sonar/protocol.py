@@ -13,6 +13,7 @@ from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.cone.compiled import CompiledCone
 from sim.sonar.firing import Firing
+from sim.sonar.physical.images.setup import CompiledImages
 from sonarmap import SonarRing
 from worlds import World
 
@@ -143,8 +144,9 @@ class Sonar(Protocol):
             If it has neither noise nor air.
         """
 
-    def compiled_cone(self) -> CompiledCone | None:
-        """Return it as a simple cone that many robots fire in one compiled call.
+    def compiled(self) -> CompiledCone | CompiledImages | None:
+        """Return it as numbers for compiled code that runs whole drives; None if it cannot be.
 
-        None for other acoustics, and for a ring that does not fire all at once.
+        A simple cone whose ring fires all at once, which many robots of environments fire in one
+        call as well, or a physical sonar that listens by images.
         """

@@ -59,7 +59,7 @@ class SimultaneousSonar(ABC):
         """Refuse: there is neither noise nor air; overridden where there is."""
         raise InputError(f"sonar {self.name!r} has neither noise nor air to randomise")
 
-    def compiled_cone(self) -> CompiledCone | None:
+    def compiled(self) -> CompiledCone | None:
         """Return None: no simple cone, see `Sonar`; overridden where it is one."""
         return None
 

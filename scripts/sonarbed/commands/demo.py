@@ -47,7 +47,7 @@ def demo(
     import sim
     import sonarmap as sm
     import worlds
-    from sim.runs.simulation import DriveArguments
+    from sim.runs.arguments import DriveArguments
     from sonarbed.console import as_json, print_table, progress, say, score_rows
     from sonarbed.reporting.pictures import draw_demo
     from sonarmap.account import account_by, contacts_of

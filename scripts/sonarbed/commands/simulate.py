@@ -95,8 +95,8 @@ def simulate(
 
 def _one(room: World, out: Path, seed: int, arguments: dict[str, Any]) -> dict[str, Any]:
     import sim
+    from sim.runs.arguments import DriveArguments
     from sim.runs.many import log_entry
-    from sim.runs.simulation import DriveArguments
     from sonarbed.console import progress
 
     DriveArguments.of(room, seed=seed, **arguments)  # before a folder is made for the log

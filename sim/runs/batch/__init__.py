@@ -1,1 +1,1 @@
-"""Many whole drives with simple cones, compiled, on all cores."""
+"""Many whole drives, compiled, on all cores."""

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from worlds import World
+
 __all__ = ["CompiledCone"]
 
 
@@ -36,3 +41,18 @@ class CompiledCone:
     silent_m: float
     critical_rad: float | None = None
     roughness_factor: float = 1.0
+
+    def materials(
+        self, world: World
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return what a world is made of for it.
+
+        Returns
+        -------
+        critical_cos, reflectivity, roughness_m : ndarray, shape (surfaces,)
+            Cosine of the critical angle, share of the amplitude that comes back, roughness.
+        """
+        critical_rad = world.critical_incidence_rad
+        if self.critical_rad is not None:
+            critical_rad = np.full_like(critical_rad, self.critical_rad)
+        return np.cos(critical_rad), world.reflectivity, self.roughness_factor * world.roughness_m

@@ -184,7 +184,7 @@ class ConeSonar(SimultaneousSonar):
         scale = self.range_scale * Air().speed_mps / air.speed_mps
         return self.replace(noise_std_m=noise_factor * self.noise_std_m, range_scale=scale)
 
-    def compiled_cone(self) -> CompiledCone:
+    def compiled(self) -> CompiledCone:
         """Return it as a simple cone, see `sim.sonar.protocol.Sonar`."""
         return CompiledCone(
             rays=self.rays,

@@ -79,7 +79,7 @@ class WebotsSonar(SimultaneousSonar):
             level_db=np.full(k, np.nan),
         )
 
-    def compiled_cone(self) -> CompiledCone:
+    def compiled(self) -> CompiledCone:
         """Return it as a simple cone, see `sim.sonar.protocol.Sonar`."""
         return CompiledCone(
             rays=self.rays,

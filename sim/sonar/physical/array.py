@@ -9,19 +9,18 @@ from numpy.typing import NDArray
 
 from sim.engines.protocol import RayCaster
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.detection import detect, readings
+from sim.sonar.physical.detection import Reading, detect, readings
 from sim.sonar.physical.echoes import confirmed, find_sounds
-from sim.sonar.physical.images.limits import ImageLimits
-from sim.sonar.physical.images.room import scene_of
 from sim.sonar.physical.images.scan import listen_images
+from sim.sonar.physical.images.setup import ImageSetup
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import Acoustics, mirror_echo_db
 from sim.sonar.physical.piston import Piston
-from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.spread import Transducers
+from sim.sonar.physical.surfaces import surface_table
 from sim.sonar.physical.tracing import Tracing, TracingLimits, advance_tracing, begin_tracing
 from sim.sonar.protocol import Echoes
-from sonarmap import LogTruth, SonarRing
+from sonarmap import LogTruth
 from worlds import Faces, World
 
 __all__ = ["ArrayModel", "ImageArray", "PhysicalArray", "known_faces"]
@@ -33,23 +32,21 @@ class ArrayModel:
 
     Parameters
     ----------
-    ring, piston, receiver, interferers
+    piston, interferers
         Of the sonar.
+    reading : Reading
+        What is read of what is detected.
     acoustics, limits
         What the compiled steps know of levels and of tracing.
-    image_limits : ImageLimits
-        What image sources are looked for.
     bearing_rad, ray_reach_m : ndarray, shape (rays,)
         The rays of a fan, and how far each is traced.
     """
 
-    ring: SonarRing
     piston: Piston
-    receiver: Receiver
     interferers: tuple[Interferer, ...]
+    reading: Reading
     acoustics: Acoustics
     limits: TracingLimits
-    image_limits: ImageLimits
     bearing_rad: NDArray[np.float64]
     ray_reach_m: NDArray[np.float64]
 
@@ -85,7 +82,7 @@ class PhysicalArray:
     ) -> None:
         self._model, self._rays, self._rng = model, rays, rng
         self._monostatic, self._transducers = monostatic, transducers
-        self._surfaces = _surface_table(world)
+        self._surfaces = surface_table(world)
         self._fired: list[tuple[float, ...]] = []
         self._sounds = np.empty((0, t.SOUND_COLUMNS))
 
@@ -113,18 +110,8 @@ class PhysicalArray:
         self._fired = []
         # Later firings may still detect what was sent a moment ago.
         detections, self._sounds = detect(fired, self._sounds, model.acoustics)
-        receiver, ring = model.receiver, model.ring
         draws = self._rng.normal(0.0, 1.0, len(fired))
-        reading_m = readings(
-            detections,
-            draws,
-            self._surfaces,
-            receiver.noise_std_m,
-            receiver.weak_noise_std_m,
-            receiver.quantum_m,
-            ring.range_min_m,
-            ring.range_max_m,
-        )
+        reading_m = readings(detections, draws, self._surfaces, model.reading)
         return Echoes(
             range_m=reading_m,
             axis_range_m=fired[:, t.FIRED_AXIS],
@@ -192,26 +179,18 @@ class ImageArray:
 
     Parameters
     ----------
-    model, rays, world, rng, transducers, monostatic
-        As of `PhysicalArray`.
-    faces : Faces
-        The surfaces that `rays` would meet.
+    setup : ImageSetup
+        The sonars and the room.
+    model, rays, rng
+        As of `PhysicalArray`; only the sound of interferers is looked for by rays.
     """
 
     def __init__(
-        self,
-        model: ArrayModel,
-        rays: RayCaster,
-        faces: Faces,
-        world: World,
-        rng: np.random.Generator,
-        transducers: Transducers,
-        *,
-        monostatic: bool = False,
+        self, setup: ImageSetup, model: ArrayModel, rays: RayCaster, rng: np.random.Generator
     ) -> None:
+        # A plain tuple: numba takes it over from Python in less time than a named one.
+        self._setup, self._transducers = tuple(setup), setup.transducers
         self._model, self._rays, self._rng = model, rays, rng
-        self._monostatic, self._transducers = monostatic, transducers
-        self._scene, self._surfaces = scene_of(faces, world), _surface_table(world)
         self._sounds = np.empty((0, t.SOUND_COLUMNS))
         self._outside: list[NDArray[np.float64]] = []
         self._forget()
@@ -243,14 +222,8 @@ class ImageArray:
 
     def detect(self) -> Echoes:
         """Return what the sonars detected that fired since the last call, in their order."""
-        model, receiver, ring = self._model, self._model.receiver, self._model.ring
         reading_m, fired, detections, self._sounds = listen_images(
-            self._scene,
-            self._surfaces,
-            model.acoustics,
-            model.image_limits,
-            self._monostatic,
-            *self._transducers,
+            self._setup,
             np.array(self._times_s, float),
             np.array(self._sonars),
             np.array(self._start),
@@ -258,11 +231,6 @@ class ImageArray:
             np.array(self._axis_rad, float),
             np.concatenate([self._sounds, *self._outside]) if self._outside else self._sounds,
             self._rng.normal(0.0, 1.0, len(self._sonars)),
-            float(receiver.noise_std_m),
-            float(receiver.weak_noise_std_m),
-            float(receiver.quantum_m),
-            float(ring.range_min_m),
-            float(ring.range_max_m),
         )
         self._outside = []
         self._forget()
@@ -321,13 +289,3 @@ def _from_interferers(
             sounds[:, t.SOUND_SURFACE], sounds[:, t.SOUND_INCIDENCE] = -1, np.nan
             found.append(sounds)
     return found
-
-
-def _surface_table(world: World) -> NDArray[np.float64]:
-    """Return what the surfaces are like; surface -1, none, takes the last row."""
-    table = np.zeros((len(world.roughness_m) + 1, t.SURFACE_COLUMNS))
-    table[:-1, t.SURFACE_RADIUS] = world.radius_m
-    table[:-1, t.SURFACE_MIRROR] = 20 * np.log10(np.maximum(world.reflectivity, 1e-10))
-    table[:-1, t.SURFACE_FLOOR] = world.diffuse_floor_db
-    table[:-1, t.SURFACE_ROUGHNESS] = world.roughness_m
-    return table

@@ -15,7 +15,7 @@ from sim.sonar.physical.levels import amplitude, tvg_db
 from sonarmap import Cause, LogTruth
 from sonarmap.kernels.jit import njit
 
-__all__ = ["Detections", "detect", "readings"]
+__all__ = ["Detections", "Reading", "detect", "readings"]
 
 _CROSSTALK, _NO_SOURCE = int(Cause.CROSSTALK), int(LogTruth.NO_SOURCE)
 
@@ -30,6 +30,24 @@ class Detections(NamedTuple):
     bounces: NDArray[np.int16]
     source: NDArray[np.int16]
     level_db: NDArray[np.float64]
+
+
+class Reading(NamedTuple):
+    """How a detection becomes a reading.
+
+    Parameters
+    ----------
+    noise_std_m, weak_noise_std_m, quantum_m : float
+        See `sim.sonar.physical.receiver.Receiver`.
+    near_m, far_m : float
+        Nearest and farthest range of the ring.
+    """
+
+    noise_std_m: float
+    weak_noise_std_m: float
+    quantum_m: float
+    near_m: float
+    far_m: float
 
 
 @njit()
@@ -111,7 +129,7 @@ def _first_crossing(firing, sounds, acoustics):
 
 
 @njit()
-def readings(detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m):
+def readings(detections, draws, surfaces, reading):
     """Return what the sonars read of what they detected.
 
     Parameters
@@ -121,11 +139,9 @@ def readings(detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum
         Of the normal distribution, one a firing.
     surfaces : ndarray, shape (surfaces + 1, SURFACE_COLUMNS)
         See `sim.sonar.physical.tracing.advance`.
-    noise_std_m, weak_noise_std_m, quantum_m : float
-        See `sim.sonar.physical.receiver.Receiver`.
-    near_m, far_m : float
-        Nearest and farthest range of the ring.
+    reading : Reading
     """
+    noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m = reading
     reading_m = np.empty(draws.size)
     for r in range(draws.size):
         jitter_m = weak_noise_std_m * amplitude(-detections.level_db[r])

@@ -25,8 +25,10 @@ from sim.sonar.air import Air
 from sim.sonar.firing import Firing, InTurn, Ping, fitted, pings
 from sim.sonar.physical import tables
 from sim.sonar.physical.array import ArrayModel, ImageArray, PhysicalArray, known_faces
+from sim.sonar.physical.detection import Reading
 from sim.sonar.physical.fresnel import FOCUS_DB, fresnel_table
 from sim.sonar.physical.images.limits import ImageLimits
+from sim.sonar.physical.images.setup import CompiledImages
 from sim.sonar.physical.interferer import Interferer
 from sim.sonar.physical.levels import (
     Acoustics,
@@ -145,9 +147,8 @@ class PhysicalSonar:
     ) -> SonarArray:
         faces = None if self.search == "rays" else known_faces(rays)
         if faces is not None:
-            return ImageArray(
-                self._model, rays, faces, world, rng, transducers, monostatic=monostatic
-            )
+            setup = self._images.setup(faces, world, transducers, monostatic=monostatic)
+            return ImageArray(setup, self._model, rays, rng)
         if self.search == "images":
             raise InputError("search 'images' needs an engine that knows the room's faces")
         return PhysicalArray(self._model, rays, world, rng, transducers, monostatic=monostatic)
@@ -178,8 +179,12 @@ class PhysicalSonar:
         )
         return self.replace(receiver=receiver, air=air)
 
-    def compiled_cone(self) -> None:
-        """Return None: no simple cone, see `sim.sonar.protocol.Sonar`."""
+    def compiled(self) -> CompiledImages | None:
+        """Return it as numbers, see `sim.sonar.protocol.Sonar`; None by rays or with interferers.
+
+        Rays are cast by engines, and interferers send whatever a person writes.
+        """
+        return None if self.search == "rays" or self.interferers else self._images
 
     @property
     def window_s(self) -> float:
@@ -361,15 +366,34 @@ class PhysicalSonar:
         return reach_m
 
     @cached_property
+    def reading(self) -> Reading:
+        """What is read of what is detected."""
+        return Reading(
+            float(self.receiver.noise_std_m),
+            float(self.receiver.weak_noise_std_m),
+            float(self.receiver.quantum_m),
+            float(self.ring.range_min_m),
+            float(self.ring.range_max_m),
+        )
+
+    @cached_property
     def _model(self) -> ArrayModel:
         return ArrayModel(
-            ring=self.ring,
             piston=self.piston,
-            receiver=self.receiver,
             interferers=self.interferers,
+            reading=self.reading,
             acoustics=self.acoustics,
             limits=self.limits,
-            image_limits=self.image_limits,
             bearing_rad=self.bearing_rad,
             ray_reach_m=self.ray_reach_m,
+        )
+
+    @cached_property
+    def _images(self) -> CompiledImages:
+        return CompiledImages(
+            sonars=len(self.ring),
+            acoustics=self.acoustics,
+            limits=self.image_limits,
+            reading=self.reading,
+            spread=self.spread,
         )

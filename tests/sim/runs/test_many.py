@@ -7,8 +7,10 @@ import sim
 import sonarmap as sm
 import worlds
 from sim.runs import many
+from sim.runs.arguments import DriveArguments
 from sim.runs.batch.drives import simulate_batch
 from sim.runs.many import MANIFEST
+from sim.runs.plain import plain_log
 
 pytestmark = pytest.mark.engine
 
@@ -48,7 +50,8 @@ def test_parallel_logs_equal_single_ones(tmp_path):
         ({"sonar": sim.ConeSonar("fan", sm.AMIGOBOT, 0.1, rays=5)}, False),
         ({"sonar": "thesis", "packets": sim.StatusPackets()}, False),
         ({"sonar": "thesis", "driver": Spin()}, False),
-        ({"sonar": "physical"}, False),
+        ({"sonar": "physical"}, True),
+        ({"sonar": "physical", "driver": Spin()}, False),
     ],
 )
 def test_what_can_be_compiled_is_and_the_logs_are_those_of_single_drives(
@@ -63,7 +66,8 @@ def test_what_can_be_compiled_is_and_the_logs_are_those_of_single_drives(
     assert bool(batches) is compiled
     assert [entry["seed"] for entry in manifest["logs"]] == [1, 3, 5]
     for entry in manifest["logs"]:
-        sim.simulate(room, seed=entry["seed"], **arguments).write(tmp_path / "single.parquet")
+        asked = DriveArguments.of(room, seed=entry["seed"], **arguments)
+        plain_log(asked).write(tmp_path / "single.parquet")
         single = (tmp_path / "single.parquet").read_bytes()
         assert (tmp_path / entry["file"]).read_bytes() == single
 

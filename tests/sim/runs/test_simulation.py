@@ -8,7 +8,7 @@ from rooms import MIRROR, box, closed_room, world
 import sim
 import worlds
 from sim import ConstantSpeeds, OdometryModel, WallFollower
-from sim.runs import simulation
+from sim.runs.arguments import MOST_SCANS, DriveArguments
 from sim.sonar import presets as sonars
 from sonarmap import Cause, InputError
 
@@ -153,7 +153,7 @@ def test_numbers_of_numpy_are_those_of_python():
 
 
 def test_the_longest_drive_is_a_limit_not_a_wish():
-    asked = simulation.DriveArguments.of(mixed_room(), scans=simulation.MOST_SCANS, seed=0)
+    asked = DriveArguments.of(mixed_room(), scans=MOST_SCANS, seed=0)
     assert asked.scans == 10_000_000
 
 

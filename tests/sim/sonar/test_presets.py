@@ -6,6 +6,8 @@ import pytest
 
 import sim
 import worlds
+from sim.sonar.cone.compiled import CompiledCone
+from sim.sonar.physical.images.setup import CompiledImages
 from sim.sonar.presets import PRESETS, preset
 from sonarmap import AMIGOBOT, InputError
 
@@ -60,12 +62,18 @@ def test_a_sonar_without_noise_says_so():
         preset("webots").randomised(2.0, sim.Air())
 
 
-def test_cones_compile_and_the_physical_sonar_does_not():
-    aria, webots = preset("aria").compiled_cone(), preset("webots").compiled_cone()
+def test_sonars_compile_as_what_they_are():
+    aria, webots = preset("aria").compiled(), preset("webots").compiled()
+    assert isinstance(aria, CompiledCone)
     assert (aria.rays, aria.max_bounces, aria.critical_rad) == (None, 2, None)
     assert (webots.rays, webots.max_bounces, webots.silent_m) == (9, 0, 5.0)
-    assert preset("aria").replace(rays=31).compiled_cone().rays == 31
-    assert preset("physical").compiled_cone() is None
+    assert preset("aria").replace(rays=31).compiled().rays == 31
+    physical = preset("physical")
+    assert isinstance(physical.compiled(), CompiledImages)
+    assert physical.compiled().limits == physical.image_limits
+    assert physical.replace(search="rays").compiled() is None
+    source = sim.Interferer(1.0, 0.0, period_s=0.1)
+    assert physical.replace(interferers=(source,)).compiled() is None
 
 
 def test_former_names_stay():

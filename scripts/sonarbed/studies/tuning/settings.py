@@ -8,7 +8,7 @@ from importlib.metadata import version
 from typing import Any
 
 import worlds
-from sim.runs.simulation import MOST_SCANS
+from sim.runs.arguments import MOST_SCANS
 from sonarbed.reporting.drives import DriveSpec
 from sonarbed.studies.tuning.scoring import SCORES
 from sonarbed.studies.tuning.space import MODELS, TARGETS

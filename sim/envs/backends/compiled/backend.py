@@ -39,8 +39,8 @@ class CompiledBackend:
     Parameters
     ----------
     sonar : Sonar
-        One with a `compiled_cone`. Its ring, rays and firing period all robots share; noise,
-        materials and threshold may differ between episodes.
+        One that is a simple cone when compiled. Its ring, rays and firing period all robots share;
+        noise, materials and threshold may differ between episodes.
     robots : int
         How many.
     control_s : float
@@ -140,17 +140,12 @@ class CompiledBackend:
             grown = np.zeros((robots, 3, self._rooms.surfaces))
             grown[:, :, :surfaces] = self._materials
             self._materials = grown
-        of_row = self._materials[row, :, : len(world.solids)]
-        of_row[0] = np.cos(
-            world.critical_incidence_rad if cone.critical_rad is None else cone.critical_rad
-        )
-        of_row[1] = world.reflectivity
-        of_row[2] = cone.roughness_factor * world.roughness_m
+        self._materials[row, :, : len(world.solids)] = cone.materials(world)
 
 
 def _cone_of(sonar: Sonar) -> CompiledCone:
-    cone = sonar.compiled_cone()
-    if cone is None:
+    cone = sonar.compiled()
+    if not isinstance(cone, CompiledCone):
         raise InputError(f"sonar {sonar.name!r} must be a simple cone to be compiled")
     return cone
 

@@ -26,24 +26,12 @@ __all__ = ["listen_images"]
 
 
 @njit(error_model="numpy")
-def listen_images(
-    scene, surfaces, acoustics, limits, monostatic, gain_db, lean_rad, times_s, sonars, start, xy,
-    axis, sounds, draws, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m,
-):  # fmt: skip
+def listen_images(setup, times_s, sonars, start, xy, axis, sounds, draws):
     """Return (readings, firings, detections, the sounds that later firings may still detect).
 
     Parameters
     ----------
-    scene : Scene
-        The room.
-    surfaces, acoustics
-        See `sim.sonar.physical.tracing.advance_tracing`.
-    limits : ImageLimits
-    monostatic : bool
-        Whether each sonar receives its own sound only.
-    gain_db, lean_rad : ndarray, shape (ring,)
-        How much more sensitive each transducer is than the nominal one, and how far its beam leans
-        to the left of its axis.
+    setup : ImageSetup
     times_s : ndarray, shape (p,)
         When sonars fired together, p times.
     sonars, start : ndarray of int, shapes (n,), (p + 1,)
@@ -54,9 +42,9 @@ def listen_images(
         Those that are under way.
     draws : ndarray, shape (n,)
         Of the normal distribution.
-    noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m : float
-        See `sim.sonar.physical.detection.readings`.
     """
+    scene, surfaces, acoustics, limits, monostatic, transducers, reading = setup
+    gain_db, lean_rad = transducers
     fired = np.empty((len(sonars), t.FIRED_COLUMNS))
     stack = np.empty((limits.max_bounces + 1, c.IMAGE_COLUMNS))
     # Of one image no face has more than two echoes, no point more than one; and the best.
@@ -79,9 +67,7 @@ def listen_images(
                     axis[p] + lean_rad, stack, echoes, until_m, sounds, count,
                 )  # fmt: skip
     detections, sounds = detect(fired, sounds[:count], acoustics)
-    reading_m = readings(
-        detections, draws, surfaces, noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m
-    )
+    reading_m = readings(detections, draws, surfaces, reading)
     return reading_m, fired, detections, sounds
 
 

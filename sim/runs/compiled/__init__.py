@@ -1,0 +1,1 @@
+"""Whole drives on `segments`, compiled: what `sim.runs.plain` does, many times faster."""
