@@ -117,15 +117,17 @@ def _zones(context: StudyContext) -> Item:
     bearing_rad = np.radians(np.arange(-60, 60.01, 1.0 if context.quick else 0.25))
     targets = (
         ("plate of 50 cm that faces the sonar", board("plate", _PLATE_M, material=GLASS),
-         lambda r: strip_db(_PLATE_M, r, sonar.piston.wavelength_m), COLOURS[5]),
+         [strip_db(_PLATE_M, r, sonar.piston.wavelength_m) for r in distance_m], COLOURS[5]),
         ("rod of 25 mm", post("rod", _ROD_M, material=GLASS),
-         lambda r: pillar_db(_ROD_M, r), COLOURS[0]),
+         [pillar_db(_ROD_M, r) for r in distance_m], COLOURS[0]),
     )  # fmt: skip
     figure, (axes,) = figure_with(width=9.5, height=6.2)
     agreeing, rows = [], []
     for name, solid, share_db, colour in targets:
         heard = _heard(exact, scene(solid), distance_m, bearing_rad)
-        over_db = np.array([plane_over_db(sonar, r) + share_db(r) + LOSS_DB for r in distance_m])
+        over_db = LOSS_DB + np.array(
+            [plane_over_db(sonar, r) + one for r, one in zip(distance_m, share_db, strict=True)]
+        )
         theory = over_db[:, None] + 2 * sonar.piston.level_db(bearing_rad)[None, :] > 0
         agreeing.append((name, float((heard == theory).mean())))
         _draw_zone(axes, distance_m, bearing_rad, heard, colour, name)
