@@ -52,19 +52,20 @@ def listen_images(setup, times_s, sonars, start, xy, axis, sounds, draws):
     echoes = np.empty((max(most, axis.shape[1]), c.ECHO_COLUMNS))
     until_m = np.empty(axis.shape[1])
     count = len(sounds)
+    beam_rad = axis + lean_rad
     for p in range(len(times_s)):
         until_m[:] = math.inf
         for k in range(start[p], start[p + 1]):
             fired[k, t.FIRED_TIME], fired[k, t.FIRED_SONAR] = times_s[p], sonars[k]
             sounds, count = _own_sounds(
-                scene, acoustics, limits, gain_db, lean_rad, fired, k, sonars[k], xy[p], axis[p],
+                scene, acoustics, limits, gain_db, fired, k, sonars[k], xy[p], axis[p], beam_rad[p],
                 stack, echoes, until_m, sounds, count,
             )  # fmt: skip
         if not monostatic and axis.shape[1] > 1:
             for k in range(start[p], start[p + 1]):
                 sounds, count = _others_sounds(
                     scene, acoustics, limits, gain_db, times_s[p], sonars[k], xy[p],
-                    axis[p] + lean_rad, stack, echoes, until_m, sounds, count,
+                    beam_rad[p], stack, echoes, until_m, sounds, count,
                 )  # fmt: skip
     detections, sounds = detect(fired, sounds[:count], acoustics)
     reading_m = readings(detections, draws, surfaces, reading)
@@ -73,7 +74,7 @@ def listen_images(setup, times_s, sonars, start, xy, axis, sounds, draws):
 
 @njit(error_model="numpy")
 def _own_sounds(
-    scene, acoustics, limits, gain_db, lean_rad, fired, k, sonar, xy, axes, stack, echoes, until_m,
+    scene, acoustics, limits, gain_db, fired, k, sonar, xy, axes, beams_rad, stack, echoes, until_m,
     sounds, count,
 ):  # fmt: skip
     """Set true ranges; add what a sonar detects first of its own sound, and what comes late."""
@@ -83,7 +84,7 @@ def _own_sounds(
         faces, points, rays, limits.range_max_m, limits.cone_rad, x, y, axis
     )
     echoes[0, c.CROSSING], echoes[0, c.BOUNCES] = acoustics.window_s, -1.0
-    axis += lean_rad[sonar]
+    axis = beams_rad[sonar]
     set_transducer(stack, limits.wide_rad, x, y, axis, gain_db[sonar])
     level = 0
     while level >= 0:
