@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim.sonar.causes import cause_of
 from sim.sonar.cone.kernel import measured
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.levels import tvg_db
+from sim.sonar.physical.levels import amplitude, tvg_db
 from sonarmap import Cause, LogTruth
 from sonarmap.kernels.jit import njit
 
@@ -118,7 +118,7 @@ def _first_crossing(firing, sounds, acoustics):
         over = sound[t.SOUND_LEVEL] + tvg_db(acoustics, arrival_s)
         if over <= 0:
             continue
-        crossing_s = arrival_s + acoustics.pulse_s * 10 ** (-over / 20)
+        crossing_s = arrival_s + acoustics.pulse_s * amplitude(-over)
         if crossing_s < acoustics.blanking_s:
             if arrival_s + acoustics.pulse_s < acoustics.blanking_s:
                 continue  # over before the receiver opens
@@ -144,7 +144,7 @@ def readings(detections, draws, surfaces, reading):
     noise_std_m, weak_noise_std_m, quantum_m, near_m, far_m = reading
     reading_m = np.empty(draws.size)
     for r in range(draws.size):
-        jitter_m = weak_noise_std_m * 10 ** (-detections.level_db[r] / 20)
+        jitter_m = weak_noise_std_m * amplitude(-detections.level_db[r])
         roughness_m = surfaces[detections.surface[r], t.SURFACE_ROUGHNESS]
         reading_m[r] = measured(
             detections.range_m[r],

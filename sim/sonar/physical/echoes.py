@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.fresnel import clearance_per_m, seen_share
 from sim.sonar.physical.levels import (
+    amplitude,
     beam_bound_db,
     beam_db,
     loudest_echo_db,
     mirror_echo_db,
+    others_tvg_db,
     tvg_db,
 )
 from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to
@@ -224,7 +226,7 @@ def _turned_share(tracing, p, theta, path_m, acoustics):
     cos = max(math.cos(theta - foot), _LEAST)
     one_m = max(half_m / cos, _LEAST)
     per_m = cos * clearance_per_m(acoustics.wavelength_m, one_m, max(path_m - one_m, _LEAST))
-    return seen_share(acoustics.fresnel, low_m * per_m, high_m * per_m)
+    return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
 
 
 @njit()
@@ -248,7 +250,7 @@ def _corner_share(tracing, p, q, x, y, acoustics):
     if links[q, t.LINK_HIGH] != t.GOES_ON:
         width_m = min(width_m, _across_m(faces[q], faces[q, t.FACE_HIGH], theta))
     clearance = width_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m)
-    return seen_share(acoustics.fresnel, -clearance, clearance)
+    return seen_share(acoustics.tables, -clearance, clearance)
 
 
 @njit()
@@ -305,8 +307,7 @@ def _add_turned(
     level_db = mirror_echo_db(acoustics, path_m) + beam_db(acoustics, theta)
     level_db += beam_db(acoustics, arrival) + face[t.FACE_LOSS] + tracing.gain_db[sonar]
     level_db += share_db + surfaces[tracing.links[p, t.LINK_SURFACE], t.SURFACE_MIRROR]
-    latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
-    if level_db + tvg_db(acoustics, latest_s) <= 0:
+    if level_db + others_tvg_db(acoustics, path_m) <= 0:
         return
     _check_unseen(found, tracing, p, theta, one_m)
     _check(found, to[0], to[1], (x - to[0]) / other_m, (y - to[1]) / other_m, other_m)
@@ -321,7 +322,7 @@ def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         return
     level_db = _echo_db(tracing, p, half_m, foot, surfaces, acoustics)
     share = _turned_share(tracing, p, foot, 2 * half_m, acoustics)
-    level_db += 10 * math.log10(share + 10 ** (like[t.SURFACE_FLOOR] / 10) + _NOTHING)
+    level_db += 10 * math.log10(share + amplitude(like[t.SURFACE_FLOOR]) ** 2 + _NOTHING)
     if _is_detectable(acoustics, limits, half_m, level_db):
         _check_unseen(found, tracing, p, foot, half_m)
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
@@ -356,7 +357,7 @@ def _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         level_db += 20 * math.log10(cos)
         over_db = level_db + tvg_db(acoustics, 2 * r / acoustics.speed_mps)
         if over_db > 0:
-            crossing_m = r + pulse_m * 10 ** (-over_db / 20)
+            crossing_m = r + pulse_m * amplitude(-over_db)
             if crossing_m < first_m:
                 first_m, place, loudness_db = crossing_m, theta, level_db
     if first_m < math.inf:
@@ -433,8 +434,10 @@ def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acousti
     power = _turned_share(tracing, p, theta, path_m, acoustics)
     power *= _passed_share(tracing, p, theta, path_m, acoustics)
     level_db += tracing.gain_db[sonar] + 10 * math.log10(power + _NOTHING)
-    latest_s = min(path_m / acoustics.speed_mps + acoustics.head_start_s, acoustics.window_s)
-    if level_db + tvg_db(acoustics, latest_s) <= 0:
+    gain_db = others_tvg_db(acoustics, path_m)
+    if is_own:
+        gain_db = tvg_db(acoustics, path_m / acoustics.speed_mps)
+    if level_db + gain_db <= 0:
         return
     _check_unseen(found, tracing, p, theta, distance_to(face, qx, qy))
     back_m = share * path_m

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fresnel
 
+from sim.sonar.physical.tables import FRESNEL
 from sonarmap.kernels.jit import njit
 
 __all__ = ["FOCUS_DB", "clearance_per_m", "fresnel_table", "seen_share"]
@@ -35,7 +36,7 @@ def fresnel_table() -> NDArray[np.float64]:
     return table
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def clearance_per_m(wavelength_m, one_m, other_m):
     """Return what a distance across a path, metres, is multiplied with to be Fresnel's argument.
 
@@ -44,25 +45,32 @@ def clearance_per_m(wavelength_m, one_m, other_m):
     return math.sqrt(2 * (one_m + other_m) / (wavelength_m * one_m * other_m))
 
 
-@njit(error_model="numpy")
-def seen_share(table, low, high):
-    """Return the power of a face between two Fresnel arguments against that of a large one."""
+@njit(error_model="numpy", forceinline=True)
+def seen_share(tables, low, high):
+    """Return the power of a face between two Fresnel arguments against that of a large one.
+
+    Parameters
+    ----------
+    tables : ndarray
+        See `sim.sonar.physical.tables`.
+    """
     if low <= -_LAST and high >= _LAST:
         return 1.0
-    low_c, low_s = _integrals(table, low)
-    high_c, high_s = _integrals(table, high)
+    low_c, low_s = _integrals(tables, low)
+    high_c, high_s = _integrals(tables, high)
     across, along = high_c - low_c, high_s - low_s
     return (across * across + along * along) / 2
 
 
-@njit(error_model="numpy")
-def _integrals(table, u):
+@njit(error_model="numpy", forceinline=True)
+def _integrals(tables, u):
     size = abs(u)
     if size >= _LAST:
         return math.copysign(0.5, u), math.copysign(0.5, u)
     place = size * _PER_UNIT
     k = int(place)
     rest = place - k
-    cosine = table[k, 0] + rest * (table[k + 1, 0] - table[k, 0])
-    sine = table[k, 1] + rest * (table[k + 1, 1] - table[k, 1])
+    k = FRESNEL + 2 * k
+    cosine = tables[k] + rest * (tables[k + 2] - tables[k])
+    sine = tables[k + 1] + rest * (tables[k + 3] - tables[k + 1])
     return math.copysign(cosine, u), math.copysign(sine, u)

@@ -23,17 +23,24 @@ from numpy.typing import NDArray
 from sim.engines.protocol import RayCaster
 from sim.sonar.air import Air
 from sim.sonar.firing import Firing, InTurn, Ping, fitted, pings
+from sim.sonar.physical import tables
 from sim.sonar.physical.array import ArrayModel, ImageArray, PhysicalArray, known_faces
 from sim.sonar.physical.detection import Reading
 from sim.sonar.physical.fresnel import FOCUS_DB, fresnel_table
 from sim.sonar.physical.images.limits import ImageLimits
 from sim.sonar.physical.images.setup import CompiledImages
 from sim.sonar.physical.interferer import Interferer
-from sim.sonar.physical.levels import Acoustics, loudest_echo_db
+from sim.sonar.physical.levels import (
+    Acoustics,
+    loudest_echo_db,
+    mirror_echo_db,
+    others_tvg_db,
+)
 from sim.sonar.physical.piston import Piston
 from sim.sonar.physical.receiver import Receiver
 from sim.sonar.physical.spread import Transducers, TransducerSpread
 from sim.sonar.physical.tracing import TracingLimits
+from sim.sonar.physical.turning import edge_share_db
 from sim.sonar.protocol import Echoes, SonarArray
 from sonarmap import InputError, SonarRing
 from sonarmap.errors import finite, one_of, positive
@@ -189,7 +196,7 @@ class PhysicalSonar:
     def limits(self) -> TracingLimits:
         """How far and how finely the compiled steps trace faces."""
         return TracingLimits(
-            reach_m=float(self._reaches_m[-1]),
+            reach_m=float(self._reaches_m[0]),
             max_bounces=self.max_bounces,
             # The foot of a face may lie between its last ray and the next one.
             margin_rad=6 * self.ray_step_rad,
@@ -207,7 +214,7 @@ class PhysicalSonar:
         """Which image sources the compiled steps look for."""
         own_s = self._least_own_gap_s
         return ImageLimits(
-            reach_m=float(self._reaches_m[-1]),
+            reach_m=float(self._reaches_m[0]),
             max_bounces=int(self.max_bounces),
             wide_rad=min(float(self.bearing_rad[-1]), _WIDEST_RAD),
             least_cross_path_m=self.limits.least_cross_path_m,
@@ -215,7 +222,19 @@ class PhysicalSonar:
             is_late=own_s < self.sound_life_s,
             cone_rad=float(self.ring.half_angle_rad),
             range_max_m=float(self.ring.range_max_m),
+            edge_reach_m=self._edge_reach_m,
         )
+
+    @cached_property
+    def _edge_reach_m(self) -> float:
+        """How far away an edge is detected at most, metres."""
+        heard_m = 0.0
+        for half_m in np.linspace(0.02, float(self._reaches_m[0]), 500):
+            level_db = loudest_echo_db(self.acoustics, 2 * half_m) + 2 * self.spread.most_db
+            if level_db + edge_share_db(self.edge_db, half_m, half_m) > 0:
+                heard_m = float(half_m)
+        # As far as the next one that was tried.
+        return heard_m + float(self._reaches_m[0]) / 499
 
     @cached_property
     def _least_own_gap_s(self) -> float:
@@ -230,16 +249,8 @@ class PhysicalSonar:
 
     @cached_property
     def _reaches_m(self) -> NDArray[np.float64]:
-        """How far sound reaches that is sent so many whole decibels below the axis, rising.
-
-        Element 0 stands for -100 dB, element 100 for the axis.
-        """
-        half_m = np.linspace(0.02, self.air.speed_mps * self._audible_s / 2, 500)
-        echo_db = np.array([loudest_echo_db(self.acoustics, 2 * half) for half in half_m])
-        # What focuses sound, and the most sensitive transducers, are heard from farther away.
-        echo_db += FOCUS_DB + 2 * self.spread.most_db
-        loud = echo_db[:, None] > np.arange(100, -1, -1)
-        return np.where(loud.any(axis=0), half_m[len(half_m) - 1 - loud[::-1].argmax(axis=0)], 0.02)
+        """How far sound reaches that is so many whole decibels weaker than on the axis, falling."""
+        return self.acoustics.tables[tables.LOST : tables.LOST + tables.LOST_STEPS]
 
     @cached_property
     def _audible_s(self) -> float:
@@ -254,8 +265,7 @@ class PhysicalSonar:
         """What the compiled steps need of beam, air and receiver."""
         nominal, tone_hz = Air(), self.piston.frequency_hz
         latest_s = max(ping.offset_s for ping in self._pings(scans=2))
-        beam_db = self.piston.level_db(np.linspace(0, math.pi, 9001))
-        return Acoustics(
+        bare = Acoustics(
             speed_mps=self.air.speed_mps,
             absorption_db_per_m=self.air.absorption_db_per_m(tone_hz),
             nominal_speed_mps=nominal.speed_mps,
@@ -267,12 +277,33 @@ class PhysicalSonar:
             blanking_s=float(self.receiver.blanking_s),
             edge_db=float(self.edge_db),
             window_s=float(self.window_s),
-            head_start_s=latest_s if self.overlapping else 0.0,
+            head_start_s=float(latest_s if self.overlapping else -self._least_gap_s),
             life_s=float(self.sound_life_s),
             wavelength_m=self.air.speed_mps / float(tone_hz),
+            path_step_m=self.air.speed_mps * self.sound_life_s / (tables.PATH_STEPS - 1),
+            tables=np.empty(0),
+        )
+        return bare._replace(tables=self._tables(bare))
+
+    def _tables(self, bare: Acoustics) -> NDArray[np.float64]:
+        """Return what is looked up."""
+        path_m = bare.path_step_m * np.arange(tables.PATH_STEPS)
+        own_db = np.array([loudest_echo_db(bare, path) for path in path_m])
+        others_db = np.array(
+            [mirror_echo_db(bare, path) + others_tvg_db(bare, path) for path in path_m]
+        )
+        # What focuses sound, and the most sensitive transducers, are heard from farther away; up
+        # to the next path that was tried.
+        echo_db = np.maximum(own_db, others_db) + FOCUS_DB + 2 * self.spread.most_db
+        echo_db[path_m > bare.speed_mps * self._audible_s] = -math.inf
+        loud = echo_db[:, None] > np.arange(tables.LOST_STEPS)
+        last = np.where(loud.any(axis=0), len(path_m) - 1 - loud[::-1].argmax(axis=0), 0)
+        return tables.packed(
+            beam_db=self.piston.level_db(np.linspace(0, math.pi, tables.BEAM_STEPS)),
+            own_db=own_db,
+            others_db=np.maximum.accumulate(others_db[::-1])[::-1],
+            lost_reach_m=np.maximum(bare.path_step_m * (last + 1) / 2, 0.02),
             fresnel=fresnel_table(),
-            beam_db=beam_db,
-            beyond_db=np.maximum.accumulate(beam_db[::-1])[::-1].copy(),
         )
 
     @cached_property
@@ -317,7 +348,7 @@ class PhysicalSonar:
     @cached_property
     def ray_reach_m(self) -> NDArray[np.float64]:
         """How far the rays of a fan go: as far as detection; in the cone as far as the truth."""
-        table_db = self.acoustics.beam_db
+        table_db = self.acoustics.tables[: tables.BEAM_STEPS]
         angles, lean = np.linspace(0, math.pi, table_db.size), self.spread.most_rad
         # The beam may lean either way.
         sent_db = np.max(
@@ -327,7 +358,7 @@ class PhysicalSonar:
             ],
             axis=0,
         )
-        far_m = self._reaches_m[np.clip(np.ceil(sent_db) + 100, 0, 100).astype(int)]
+        far_m = self._reaches_m[np.clip(np.floor(-sent_db), 0, tables.LOST_STEPS - 1).astype(int)]
         in_cone = np.abs(self.bearing_rad) <= self.ring.half_angle_rad + 1e-9
         reach_m: NDArray[np.float64] = np.maximum(
             far_m, np.where(in_cone, self.ring.range_max_m, 0.1)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.fresnel import FOCUS_DB, clearance_per_m
-from sim.sonar.physical.levels import beam_db, loudest_echo_db, wrapped
+from sim.sonar.physical.levels import beam_db, loudest_echo_db, loudest_other_db, wrapped
 from sonarmap.kernels.jit import njit
 
 __all__ = ["Tracing", "TracingLimits", "advance_tracing", "begin_tracing"]
@@ -476,7 +476,7 @@ def _mirrored(leg, face, surfaces, limits, acoustics, most_db):
         # There and back each mirror is passed twice, on the path to another sonar once.
         back_db = loudest_echo_db(acoustics, 2 * path_m) + FOCUS_DB + 2 * (one_way_db + loss_db)
         there_db = (
-            loudest_echo_db(acoustics, max(2 * path_m, limits.least_cross_path_m))
+            loudest_other_db(acoustics, max(2 * path_m, limits.least_cross_path_m))
             + FOCUS_DB
             + one_way_db
             + loss_db

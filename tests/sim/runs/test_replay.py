@@ -15,11 +15,12 @@ from sonarbed.studies.acoustics.reality import ROOM
 
 
 def quiet(name):
-    """Return a preset without noise."""
+    """Return a preset without noise; its transducers are alike, for a replay draws its own."""
     sonar = presets.preset(name)
     if name == "physical":
         return sonar.replace(
-            receiver=replace(sonar.receiver, noise_std_m=0.0, weak_noise_std_m=0.0)
+            receiver=replace(sonar.receiver, noise_std_m=0.0, weak_noise_std_m=0.0),
+            spread=sim.TransducerSpread(0.0, 0.0),
         )
     return sonar.replace(noise_std_m=0.0) if hasattr(sonar, "noise_std_m") else sonar
 

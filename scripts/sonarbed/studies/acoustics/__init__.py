@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["PARTS", "load"]
 
 # In the order of the page; each is a module or a folder of this package.
-PARTS = ("beam", "regions", "dropout", "ghost", "crosstalk", "causes", "reality")
+PARTS = ("beam", "regions", "sizes", "dropout", "ghost", "crosstalk", "causes", "reality")
 
 
 def load(name: str) -> Callable[[StudyContext], Section]:

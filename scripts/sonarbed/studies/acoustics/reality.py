@@ -139,7 +139,7 @@ def _hallway(context: StudyContext) -> Item:
         f"one sonar every {1000 * _SLOT_S:.0f} ms, a row every {1000 * _PACKET_S:.0f} ms, whole "
         f"centimetres, {_SPEED_MPS:g} m/s, the hallways' widths and open ends. Set to get there: "
         f"door frames every 4 m and {sonar.receiver.dynamic_range_db:g} dB of dynamic range. "
-        "Ours are all alike, and the real ones may not be: of its two front sonars one loses "
+        "The real transducers seem to differ more than ours: of its two front sonars one loses "
         f"{min(REAL.lost_by_sonar[front]):.0%} and one {max(REAL.lost_by_sonar[front]):.0%}, "
         f"{np.mean(REAL.lost_by_sonar[front]):.0%} together; ours lose "
         f"{min(ours.lost_by_sonar[front]):.0%} and {max(ours.lost_by_sonar[front]):.0%}, "

@@ -6,14 +6,15 @@ Passing an array on costs its count of references, so what is asked for often li
 from __future__ import annotations
 
 # Segments: ends, normal, side of the outside (1 that of the normal, -1 the other, 0 unknown), level
-# of the mirror and of the scattering, surface, where the list of what stands before it begins and
-# ends, where the stops on the side of its normal begin, those on the other side, where these end.
+# of the mirror and of the scattering, surface; where the list of what stands before it begins, its
+# points begin and it ends; where the stops on the side of its normal begin, those on the other side
+# begin and these end.
 X0, Y0, X1, Y1, NORMAL_X, NORMAL_Y, OUTWARD, MIRROR, FLOOR, SURFACE = range(10)
-FIRST, LAST, FIRST_STOP, MIDDLE_STOP, LAST_STOP, FACE_COLUMNS = range(10, 16)
+FIRST, FIRST_POINT, LAST, FIRST_STOP, MIDDLE_STOP, LAST_STOP, FACE_COLUMNS = range(10, 17)
 # Pillars and vertices: place, radius or 0, levels and surface of a pillar, where the arms of a
-# vertex begin and end.
+# vertex begin and end, whether it can be a right-angled corner (1) or an edge only (0).
 POINT_X, POINT_Y, RADIUS, POINT_MIRROR, POINT_FLOOR, POINT_SURFACE = range(6)
-FIRST_ARM, LAST_ARM, POINT_COLUMNS = range(6, 9)
+FIRST_ARM, LAST_ARM, IS_CORNER, POINT_COLUMNS = range(6, 10)
 # Arms of vertices: unit vector away from it, the segment, how far it goes on seen from its left and
 # from its right.
 ARM_X, ARM_Y, ARM_FACE, ARM_LEFT, ARM_RIGHT, ARM_COLUMNS = range(6)

@@ -12,9 +12,9 @@ from sim.sonar.physical.images.shares import face_share, mirrors_share
 from sim.sonar.physical.levels import (
     beam_bound_db,
     beam_db,
-    loudest_echo_db,
+    loudest_other_db,
     mirror_echo_db,
-    tvg_db,
+    others_tvg_db,
 )
 from sim.sonar.physical.turning import edge_share_db, pillar_share_db, turning_place
 from sonarmap.kernels.jit import njit
@@ -61,6 +61,12 @@ def find_crosstalk(
         if i >= len(faces):
             if level > 0:
                 break  # points pass sound on without mirrors only
+            vx, vy = points[i - len(faces), c.POINT_X] - ix, points[i - len(faces), c.POINT_Y] - iy
+            radius_m = points[i - len(faces), c.RADIUS]
+            apart_2 = vx * vx + vy * vy
+            far_m = limits.edge_reach_m if radius_m == 0 else limits.reach_m + radius_m
+            if 4 * apart_2 < nearest_2 or apart_2 > (far_m + spread_m) ** 2:
+                continue
             count = _over_point(
                 faces, points, arms, acoustics, limits, stack, sonar, xy, axis, gain_db, until_m,
                 spread_m, most_db, i - len(faces), found,
@@ -105,8 +111,7 @@ def find_crosstalk(
             level_db = mirror_echo_db(acoustics, path_m) + stack[level, c.LOSS] + faces[i, c.MIRROR]
             level_db += beam_db(acoustics, math.atan2(oy, ox) - axis[listener])
             level_db += gain_db[listener]
-            latest_s = path_m / acoustics.speed_mps + acoustics.head_start_s
-            rise_db = tvg_db(acoustics, min(latest_s, acoustics.window_s))
+            rise_db = others_tvg_db(acoustics, path_m)
             if level_db + FOCUS_DB + rise_db <= 0:
                 continue
             level_db += beam_db(acoustics, bearing(stack, level, px, py))
@@ -173,7 +178,7 @@ def _over_point(
         aside = 0.0
     towards = bearing(stack, 0, own_x + vx, own_y + vy)
     least_path_m = max(near_m + least_m, limits.least_cross_path_m)
-    loudest_db = loudest_echo_db(acoustics, least_path_m) + stack[0, c.LOSS] + turned_db
+    loudest_db = loudest_other_db(acoustics, least_path_m) + stack[0, c.LOSS] + turned_db
     loudest_db += most_db + most_share_db
     if loudest_db + beam_bound_db(acoustics, towards - aside, towards + aside) <= 0:
         return 0
@@ -200,8 +205,7 @@ def _over_point(
         level_db = mirror_echo_db(acoustics, path_m) + stack[0, c.LOSS] + gain_db[listener]
         level_db += turned_db + share_db + beam_db(acoustics, bearing(stack, 0, px, py))
         level_db += beam_db(acoustics, math.atan2(py - y, px - x) - axis[listener])
-        latest_s = path_m / acoustics.speed_mps + acoustics.head_start_s
-        if level_db + tvg_db(acoustics, min(latest_s, acoustics.window_s)) <= 0:
+        if level_db + others_tvg_db(acoustics, path_m) <= 0:
             continue
         found[count, c.PATH], found[count, c.LEVEL] = path_m, level_db
         found[count, c.ECHO_SURFACE], found[count, c.INCIDENCE] = surface, math.acos(min(cos, 1.0))

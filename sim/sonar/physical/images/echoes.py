@@ -21,19 +21,29 @@ from sim.sonar.physical.images.paths import (
 )
 from sim.sonar.physical.images.room import FLUSH, RIGHT_ANGLE
 from sim.sonar.physical.images.shares import corner_share, face_share, mirrors_share
-from sim.sonar.physical.levels import beam_db, mirror_echo_db, tvg_db
+from sim.sonar.physical.levels import about_own_db, amplitude, beam_db, mirror_echo_db, tvg_db
 from sim.sonar.physical.turning import edge_share_db, pillar_share_db
 from sonarmap.kernels.jit import njit
 
-__all__ = ["crossing_s", "edge_seen", "find_echoes", "has_late", "is_free", "take_first"]
+__all__ = [
+    "crossing_s",
+    "edge_seen",
+    "find_of_faces",
+    "find_of_points",
+    "has_late",
+    "is_free",
+    "take_first",
+]
 
 # Feet may lie this share of a face's length beyond its ends, so that none is lost at a joint.
 _OVERHANG = 1e-9
+# From so far away a table of levels is right to so much.
+_TABLE_FROM_M, _TABLE_DB = 0.15, 0.5
 # A share of the power, so that none has a level, too.
 _NOTHING = 1e-12
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def crossing_s(acoustics, path_m, level_db):
     """Return when a sonar detects its own sound, seconds since it was sent; +inf if never."""
     arrival_s = path_m / acoustics.speed_mps
@@ -42,7 +52,7 @@ def crossing_s(acoustics, path_m, level_db):
     over_db = level_db + tvg_db(acoustics, arrival_s)
     if over_db <= 0:
         return math.inf
-    at_s = arrival_s + acoustics.pulse_s * 10 ** (-over_db / 20)
+    at_s = arrival_s + acoustics.pulse_s * amplitude(-over_db)
     if at_s < acoustics.blanking_s:
         if arrival_s + acoustics.pulse_s < acoustics.blanking_s:
             return math.inf
@@ -51,17 +61,17 @@ def crossing_s(acoustics, path_m, level_db):
 
 
 @njit(error_model="numpy")
-def find_echoes(
-    faces, points, arms, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level,
+def find_of_faces(
+    faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level,
     echoes,
 ):  # fmt: skip
-    """Find the echoes of an image that may come before the best so far; return how many rows.
+    """Find the echoes of flat faces that may come before the best so far; return how many rows.
 
     What rough places scatter is left out.
     """
     mirror = int(stack[level, c.FACE])
     listed = level > 0 and is_listed
-    first, last = 0, len(faces) + len(points)
+    first, last = 0, len(faces)
     if listed:
         first, last = int(faces[mirror, c.FIRST]), int(faces[mirror, c.LAST])
     far_m = limits.reach_m
@@ -77,19 +87,7 @@ def find_echoes(
     for k in range(first, last):
         i = int(before[k]) if listed else k
         if i >= len(faces):
-            j = i - len(faces)
-            px, py = points[j, c.POINT_X] - ix, points[j, c.POINT_Y] - iy
-            most_m = far_m + points[j, c.RADIUS]
-            if (
-                px * px + py * py < most_m * most_m
-                # The way to a pillar's foot is the way to its centre.
-                and right_x * py - right_y * px >= 0
-                and px * left_y - py * left_x >= 0
-            ):
-                count = _find_of_point(
-                    faces, points, arms, stops, acoustics, limits, stack, level, j, echoes, count
-                )
-            continue
+            break
         ax, ay = faces[i, c.X0] - ix, faces[i, c.Y0] - iy
         nx, ny = faces[i, c.NORMAL_X], faces[i, c.NORMAL_Y]
         height = -(ax * nx + ay * ny)
@@ -119,7 +117,7 @@ def find_echoes(
             passed = _passed(faces, stops, acoustics, stack, level, ix + px, iy + py, 2 * half_m)
             # What a rough face scatters at its foot adds to the mirror's.
             level_db += 10 * math.log10(
-                passed * passed * (share + 10 ** (faces[i, c.FLOOR] / 10)) + _NOTHING
+                passed * passed * (share + amplitude(faces[i, c.FLOOR]) ** 2) + _NOTHING
             )
             count = _with_echo(
                 acoustics, limits, echoes, count, 2 * half_m, level_db, faces[i, c.SURFACE], 0.0,
@@ -171,6 +169,62 @@ def find_echoes(
 
 
 @njit(error_model="numpy")
+def find_of_points(
+    faces, points, arms, stops, before, is_listed, acoustics, limits, stack, level, echoes
+):
+    """Find the echoes of pillars, corners and edges, as `find_of_faces`."""
+    mirror = int(stack[level, c.FACE])
+    listed = level > 0 and is_listed
+    first, last = len(faces), len(faces) + len(points)
+    if listed:
+        first, last = int(faces[mirror, c.FIRST_POINT]), int(faces[mirror, c.LAST])
+    far_m = limits.reach_m
+    if not limits.is_late:
+        far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+    edge_m = min(far_m, limits.edge_reach_m)
+    ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
+    right_x, right_y = stack[level, c.RIGHT_X], stack[level, c.RIGHT_Y]
+    left_x, left_y = stack[level, c.LEFT_X], stack[level, c.LEFT_Y]
+    count = 1
+    for k in range(first, last):
+        j = (int(before[k]) if listed else k) - len(faces)
+        px, py = points[j, c.POINT_X] - ix, points[j, c.POINT_Y] - iy
+        radius_m = points[j, c.RADIUS]
+        is_edge = radius_m == 0 and points[j, c.IS_CORNER] == 0
+        most_m = edge_m if is_edge else far_m + radius_m
+        if (
+            px * px + py * py < most_m * most_m
+            # The way to a pillar's foot is the way to its centre.
+            and right_x * py - right_y * px >= 0
+            and px * left_y - py * left_x >= 0
+            and (
+                limits.is_late or _may_be_heard(acoustics, stack, level, px, py, radius_m, is_edge)
+            )
+        ):
+            count = _find_of_point(
+                faces, points, arms, stops, acoustics, limits, stack, level, j, echoes, count
+            )
+    return count
+
+
+@njit(error_model="numpy", forceinline=True)
+def _may_be_heard(acoustics, stack, level, px, py, radius_m, is_edge):
+    """Return whether what a place sends back may cross the threshold, by tables of levels.
+
+    Most places do not, and the exact level costs more.
+    """
+    half_m = math.sqrt(px * px + py * py) - radius_m
+    if half_m < _TABLE_FROM_M:
+        return True
+    ax, ay = stack[level, c.AXIS_X], stack[level, c.AXIS_Y]
+    sent_db = beam_db(acoustics, math.atan2(ax * py - ay * px, ax * px + ay * py))
+    most_db = about_own_db(acoustics, 2 * half_m) + 2 * (stack[level, c.LOSS] + sent_db)
+    if is_edge:
+        most_db += edge_share_db(acoustics.edge_db, half_m, half_m)
+    return most_db + FOCUS_DB + _TABLE_DB > 0
+
+
+@njit(error_model="numpy")
 def _passed(faces, stops, acoustics, stack, level, x, y, path_m):
     """Return `mirrors_share`, for a call costs where there are none."""
     if level == 0:
@@ -178,7 +232,7 @@ def _passed(faces, stops, acoustics, stack, level, x, y, path_m):
     return mirrors_share(faces, stops, acoustics, stack, level, x, y, path_m)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _find_of_point(faces, points, arms, stops, acoustics, limits, stack, level, k, echoes, count):
     """Find the echo of a pillar, a corner or an edge."""
     ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
@@ -194,8 +248,12 @@ def _find_of_point(faces, points, arms, stops, acoustics, limits, stack, level, 
         return count
     level_db = mirror_echo_db(acoustics, 2 * half_m)
     level_db += 2 * (stack[level, c.LOSS] + beam_db(acoustics, bearing(stack, level, px, py)))
-    # Nothing round or pointed is louder than this.
-    if level_db + FOCUS_DB + tvg_db(acoustics, acoustics.window_s) <= 0:
+    # Nothing round or pointed is louder than this, and many of them are too quiet.
+    at_s = acoustics.window_s if limits.is_late else 2 * half_m / acoustics.speed_mps
+    most_db = level_db + tvg_db(acoustics, at_s)
+    if radius_m == 0 and points[k, c.IS_CORNER] == 0:
+        most_db += edge_share_db(acoustics.edge_db, half_m, half_m)
+    if most_db + FOCUS_DB <= 0:
         return count
     if level > 0:
         passed = mirrors_share(faces, stops, acoustics, stack, level, px, py, 2 * half_m)
@@ -290,13 +348,13 @@ def _edge_face(arms, right, right_rad, left, left_rad):
     return min(one, other)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def has_late(limits, path_m):
     """Return whether a path is so long that the sonar hears it only after its next firing."""
     return limits.is_late and limits.least_late_path_m <= path_m <= 2 * limits.reach_m
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _with_echo(
     acoustics, limits, echoes, count, path_m, level_db, surface, incidence_rad, bounces, x, y,
     is_straight,

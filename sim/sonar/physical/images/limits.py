@@ -26,6 +26,8 @@ class ImageLimits(NamedTuple):
         Whether a sound lasts that long.
     cone_rad, range_max_m : float
         Nominal half-angle and range, for the truths only.
+    edge_reach_m : float
+        How far away an edge is detected at most.
     """
 
     reach_m: float
@@ -36,3 +38,4 @@ class ImageLimits(NamedTuple):
     is_late: bool
     cone_rad: float
     range_max_m: float
+    edge_reach_m: float

@@ -10,7 +10,7 @@ import math
 
 from sim.sonar.physical.fresnel import FOCUS_DB
 from sim.sonar.physical.images import columns as c
-from sim.sonar.physical.levels import beam_bound_db, loudest_echo_db
+from sim.sonar.physical.levels import beam_bound_db, loudest_echo_db, loudest_other_db
 from sonarmap.kernels.jit import njit
 from worlds.raycast import first_hit
 
@@ -81,7 +81,7 @@ def _push_image(stack, level, faces, i, loss_db, height, low, high):
     stack[new, c.FACE], stack[new, c.NEXT] = i, 0.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def bearing(stack, level, x, y):
     """Return the bearing of departure at which an image sees a place."""
     vx, vy = x - stack[level, c.IMAGE_X], y - stack[level, c.IMAGE_Y]
@@ -89,7 +89,7 @@ def bearing(stack, level, x, y):
     return stack[level, c.SIGN] * math.atan2(ax * vy - ay * vx, ax * vx + ay * vy)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def in_window(stack, level, x, y):
     """Return whether an image sees a place through its window, if nothing is in the way."""
     vx, vy = x - stack[level, c.IMAGE_X], y - stack[level, c.IMAGE_Y]
@@ -231,7 +231,7 @@ def next_image(
         matters = near_m < own_m and own_db + 2 * sent_db > 0
         if not matters and near_m < others_m:
             least_m = max(2 * near_m, others_least_m)
-            matters = loudest_echo_db(acoustics, least_m) + FOCUS_DB + others_db + sent_db > 0
+            matters = loudest_other_db(acoustics, least_m) + FOCUS_DB + others_db + sent_db > 0
         # Without lists an image costs much: mirrors that cannot be seen are left out.
         if not matters or (not is_listed and _is_hidden(rays, stack, level, px, py, qx, qy)):
             continue

@@ -121,6 +121,11 @@ def scene_of(faces: Faces, world: World) -> Scene:
     packed[:, c.OUTWARD], packed[:, c.SURFACE] = room.outward, of_face
     packed[:, c.MIRROR], packed[:, c.FLOOR] = mirror_db[of_face], world.diffuse_floor_db[of_face]
     packed[:, c.FIRST], packed[:, c.LAST] = room.before_start[:-1], room.before_start[1:]
+    # Segments come first in a list.
+    is_flat = np.concatenate([[0], np.cumsum(room.before < flat)])
+    packed[:, c.FIRST_POINT] = room.before_start[:-1] + (
+        is_flat[room.before_start[1:]] - is_flat[room.before_start[:-1]]
+    )
     packed[:, c.FIRST_STOP : c.LAST_STOP + 1] = room.stop_ranges
     round_ = len(table.circles)
     points = np.zeros((round_ + len(room.vertices), c.POINT_COLUMNS))
@@ -133,6 +138,7 @@ def scene_of(faces: Faces, world: World) -> Scene:
         room.arm_start[:-1],
         room.arm_start[1:],
     )
+    points[round_:, c.IS_CORNER] = _are_corners(room.arm_start, room.arms)
     return Scene(
         packed,
         points,
@@ -372,6 +378,20 @@ def _matter(start, arms):
                 alone = alone and along[0] * arms[a, 0] + along[1] * arms[a, 1] > 0
             matters[v] = alone
     return matters
+
+
+@njit()
+def _are_corners(start, arms):
+    """Return which vertices have two arms in a row at a right angle, with nothing between them."""
+    are = np.zeros(len(start) - 1, np.bool_)
+    for v in range(len(are)):
+        count = start[v + 1] - start[v]
+        for k in range(count):
+            a, b = arms[start[v] + k], arms[start[v] + (k + 1) % count]
+            is_left = a[0] * b[1] - a[1] * b[0] > 0
+            if count > 1 and is_left and abs(a[0] * b[0] + a[1] * b[1]) < RIGHT_ANGLE:
+                are[v] = True
+    return are
 
 
 @njit()

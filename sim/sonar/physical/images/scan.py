@@ -10,7 +10,13 @@ from sim.sonar.physical import columns as t
 from sim.sonar.physical.detection import detect, readings
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.crosstalk import find_crosstalk
-from sim.sonar.physical.images.echoes import find_echoes, has_late, is_free, take_first
+from sim.sonar.physical.images.echoes import (
+    find_of_faces,
+    find_of_points,
+    has_late,
+    is_free,
+    take_first,
+)
 from sim.sonar.physical.images.paths import blocked_at, is_leg_free, next_image, set_transducer
 from sim.sonar.physical.images.scatter import find_scatter
 from sim.sonar.physical.images.truth import true_ranges
@@ -46,19 +52,20 @@ def listen_images(setup, times_s, sonars, start, xy, axis, sounds, draws):
     echoes = np.empty((max(most, axis.shape[1]), c.ECHO_COLUMNS))
     until_m = np.empty(axis.shape[1])
     count = len(sounds)
+    beam_rad = axis + lean_rad
     for p in range(len(times_s)):
         until_m[:] = math.inf
         for k in range(start[p], start[p + 1]):
             fired[k, t.FIRED_TIME], fired[k, t.FIRED_SONAR] = times_s[p], sonars[k]
             sounds, count = _own_sounds(
-                scene, acoustics, limits, gain_db, lean_rad, fired, k, sonars[k], xy[p], axis[p],
+                scene, acoustics, limits, gain_db, fired, k, sonars[k], xy[p], axis[p], beam_rad[p],
                 stack, echoes, until_m, sounds, count,
             )  # fmt: skip
         if not monostatic and axis.shape[1] > 1:
             for k in range(start[p], start[p + 1]):
                 sounds, count = _others_sounds(
                     scene, acoustics, limits, gain_db, times_s[p], sonars[k], xy[p],
-                    axis[p] + lean_rad, stack, echoes, until_m, sounds, count,
+                    beam_rad[p], stack, echoes, until_m, sounds, count,
                 )  # fmt: skip
     detections, sounds = detect(fired, sounds[:count], acoustics)
     reading_m = readings(detections, draws, surfaces, reading)
@@ -67,7 +74,7 @@ def listen_images(setup, times_s, sonars, start, xy, axis, sounds, draws):
 
 @njit(error_model="numpy")
 def _own_sounds(
-    scene, acoustics, limits, gain_db, lean_rad, fired, k, sonar, xy, axes, stack, echoes, until_m,
+    scene, acoustics, limits, gain_db, fired, k, sonar, xy, axes, beams_rad, stack, echoes, until_m,
     sounds, count,
 ):  # fmt: skip
     """Set true ranges; add what a sonar detects first of its own sound, and what comes late."""
@@ -77,25 +84,32 @@ def _own_sounds(
         faces, points, rays, limits.range_max_m, limits.cone_rad, x, y, axis
     )
     echoes[0, c.CROSSING], echoes[0, c.BOUNCES] = acoustics.window_s, -1.0
-    axis += lean_rad[sonar]
+    axis = beams_rad[sonar]
     set_transducer(stack, limits.wide_rad, x, y, axis, gain_db[sonar])
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
-            found = find_echoes(
-                faces, points, arms, stops, before, is_listed, acoustics, limits, x, y, axis,
-                stack, level, echoes,
-            )  # fmt: skip
-            if found > 1:
-                found = take_first(rays, stack, level, x, y, echoes, found)
-            if limits.is_late:
-                for e in range(1, found):
-                    if has_late(limits, echoes[e, c.PATH]) and is_free(
-                        rays, stack, level, x, y, echoes, e
-                    ):
-                        sounds, count = _with_sound(
-                            sounds, count, sent_s, sonar, sonar, echoes, e, level
-                        )
+            for of_points in (False, True):
+                if of_points:
+                    found = find_of_points(
+                        faces, points, arms, stops, before, is_listed, acoustics, limits, stack,
+                        level, echoes,
+                    )  # fmt: skip
+                else:
+                    found = find_of_faces(
+                        faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack,
+                        level, echoes,
+                    )  # fmt: skip
+                if found > 1:
+                    found = take_first(rays, stack, level, x, y, echoes, found)
+                if limits.is_late:
+                    for e in range(1, found):
+                        if has_late(limits, echoes[e, c.PATH]) and is_free(
+                            rays, stack, level, x, y, echoes, e
+                        ):
+                            sounds, count = _with_sound(
+                                sounds, count, sent_s, sonar, sonar, echoes, e, level
+                            )
             find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level, echoes)
             stack[level, c.NEXT] = 0
         far_m = limits.reach_m

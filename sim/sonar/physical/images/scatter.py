@@ -13,16 +13,29 @@ import numpy as np
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.echoes import crossing_s
 from sim.sonar.physical.images.paths import EDGE_ON_M, bearing, blocked_at, seen_part
-from sim.sonar.physical.levels import beam_db, loudest_echo_db, mirror_echo_db, tvg_db
+from sim.sonar.physical.levels import (
+    about_own_db,
+    beam_db,
+    lost_reach_m,
+    loudest_echo_db,
+    mirror_echo_db,
+    widest_rad,
+)
 from sonarmap.kernels.jit import njit
 
 __all__ = ["find_scatter"]
 
-# Places of a rough face are tried at such bearings, then between them; radians. Where all are
-# below the threshold, but by less than this, too; decibels. At last the best is moved by halves of
-# the step, so often: to 0.0001 degrees, for near the threshold a range changes by centimetres a
-# degree.
-_COARSE_RAD, _FINE_PARTS, _NEARLY_DB, _HALVES = math.radians(0.5), 10, 3.0, 9
+# Places of a rough face are tried at such bearings, radians. Where all are below the threshold, but
+# by less than so many decibels, the loudest between its neighbours is looked for in so many steps.
+# Between two such places a beam's lobe rises by less. At last the best is moved by halves of the
+# step, so often at most: to 0.0005 degrees, for near the threshold a range changes by centimetres a
+# degree; or until what lies beside it comes as early to so much, 5 micrometres.
+_COARSE_RAD, _NEARLY_DB, _RISES, _HALVES = math.radians(0.5), 0.5, 10, 10
+_SAME_S = 3e-8
+_GOLDEN = (math.sqrt(5) - 1) / 2
+_LEAST_COS = 1e-3
+# From so far away a table of levels is right to so much.
+_TABLE_FROM_M, _TABLE_DB = 0.15, 0.5
 # So many separate parts of a rough face, and so many places hidden by something, are looked at.
 _MOST_PARTS, _MOST_HIDDEN = 16, 40
 
@@ -46,6 +59,9 @@ def find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level
         far_m = min(echoes[0, c.CROSSING] * acoustics.speed_mps / 2, limits.reach_m)
         if faces[i, c.OUTWARD] * height < 0 or half_m < EDGE_ON_M or half_m >= far_m or i == mirror:
             continue
+        loss_db = 2 * stack[level, c.LOSS] + faces[i, c.MIRROR] + faces[i, c.FLOOR]
+        if half_m >= lost_reach_m(acoustics, -loss_db):
+            continue
         ex, ey = faces[i, c.X1] - faces[i, c.X0], faces[i, c.Y1] - faces[i, c.Y0]
         low, high = seen_part(stack, level, ax, ay, ex, ey)
         if low >= high:
@@ -55,7 +71,6 @@ def find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level
         near_m = math.sqrt(nx * nx + ny * ny)
         if near_m >= far_m:
             continue
-        loss_db = 2 * stack[level, c.LOSS] + faces[i, c.MIRROR] + faces[i, c.FLOOR]
         # In dry air the time-varied gain more than makes up for distance; but it is loudest at an
         # end of what may still come first.
         most_db = loss_db + max(
@@ -65,7 +80,7 @@ def find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level
             continue
         one = bearing(stack, level, ix + ax + low * ex, iy + ay + low * ey)
         other = bearing(stack, level, ix + ax + high * ex, iy + ay + high * ey)
-        widest = _widest_rad(acoustics, most_db)
+        widest = widest_rad(acoustics, most_db)
         one, other = max(min(one, other), -widest), min(max(one, other), widest)
         if one < other:
             side = half_m / height
@@ -73,29 +88,16 @@ def find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level
                 stack, level, ix - faces[i, c.NORMAL_X] * side, iy - faces[i, c.NORMAL_Y] * side
             )
             _scatter(
-                faces, rays, acoustics, stack, level, i, half_m, foot, one, other, loss_db, echoes
-            )
+                faces, rays, acoustics, stack, level, i, half_m, foot, one, other, loss_db, most_db,
+                echoes,
+            )  # fmt: skip
 
 
-@njit(error_model="numpy")
-def _widest_rad(acoustics, most_db):
-    """Return an angle off the axis beyond which the beam takes more than a level away."""
-    table = acoustics.beyond_db
-    low, high = 0, table.size - 1
-    while low < high:
-        middle = (low + high) // 2
-        if 2 * table[middle] + most_db > 0:
-            low = middle + 1
-        else:
-            high = middle
-    return low / (table.size - 1) * math.pi
-
-
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _scatter_at(acoustics, half_m, foot, loss_db, theta):
     """Return (when what the place at a bearing scatters is detected, path, level)."""
     cos = math.cos(theta - foot)
-    if cos < 1e-3:
+    if cos < _LEAST_COS:
         return math.inf, math.inf, -math.inf
     path_m = 2 * half_m / cos
     level_db = mirror_echo_db(acoustics, path_m) + 2 * beam_db(acoustics, theta) + loss_db
@@ -103,9 +105,22 @@ def _scatter_at(acoustics, half_m, foot, loss_db, theta):
     return crossing_s(acoustics, path_m, level_db), path_m, level_db
 
 
+@njit(error_model="numpy", forceinline=True)
+def _over_db(acoustics, half_m, foot, loss_db, theta):
+    """Return the level over the threshold of what the place at a bearing scatters."""
+    cos = math.cos(theta - foot)
+    if cos < _LEAST_COS:
+        return -math.inf
+    over_db = loudest_echo_db(acoustics, 2 * half_m / cos) + loss_db
+    return over_db + 2 * beam_db(acoustics, theta) + 20 * math.log10(cos)
+
+
 @njit(error_model="numpy")
-def _first_place(acoustics, half_m, foot, loss_db, low, high, until_s):
-    """Return (bearing, when) of the first sound from between two bearings, if before a time."""
+def _first_place(acoustics, half_m, foot, loss_db, most_db, low, high, until_s):
+    """Return (bearing, when) of the first sound from between two bearings, if before a time.
+
+    On the axis nothing is louder than `most_db`.
+    """
     place, first_s = math.nan, until_s
     loudest, loudest_db = math.nan, -_NEARLY_DB
     speed_mps = acoustics.speed_mps
@@ -118,48 +133,81 @@ def _first_place(acoustics, half_m, foot, loss_db, low, high, until_s):
             theta = low if k == begin - 1 else high if k == begin - 2 else foot
             if not low <= theta <= high:
                 continue
-        if 2 * half_m >= first_s * speed_mps * math.cos(theta - foot):
+        # Most places are too quiet or too far: rough levels tell.
+        sent_db = 2 * beam_db(acoustics, theta)
+        if sent_db + most_db <= -_NEARLY_DB:
             continue
-        at_s, path_m, level_db = _scatter_at(acoustics, half_m, foot, loss_db, theta)
+        cos = math.cos(theta - foot)
+        if cos < _LEAST_COS or 2 * half_m >= first_s * speed_mps * cos:
+            continue
+        about_db = about_own_db(acoustics, 2 * half_m / cos) + sent_db + loss_db
+        if half_m > _TABLE_FROM_M and about_db + _TABLE_DB <= -_NEARLY_DB:
+            continue
+        at_s = _scatter_at(acoustics, half_m, foot, loss_db, theta)[0]
         if at_s < first_s:
             place, first_s = theta, at_s
         elif first_s == until_s and at_s == math.inf:
-            over_db = level_db + tvg_db(acoustics, path_m / speed_mps)
+            over_db = _over_db(acoustics, half_m, foot, loss_db, theta)
             if over_db > loudest_db:
                 loudest, loudest_db = theta, over_db
-    # Between two places just below the threshold one may lie above it.
-    is_near = first_s == until_s and not math.isnan(loudest)
-    if is_near:
-        place = loudest
-    if first_s < until_s or is_near:
-        middle = place
-        for k in range(-_FINE_PARTS + 1, _FINE_PARTS):
-            theta = middle + k * _COARSE_RAD / _FINE_PARTS
+    if first_s == until_s:
+        if math.isnan(loudest):
+            return place, first_s
+        # Between two places just below the threshold one may lie above it.
+        place = _loudest(
+            acoustics, half_m, foot, loss_db,
+            max(low, loudest - _COARSE_RAD), min(high, loudest + _COARSE_RAD),
+        )  # fmt: skip
+        at_s = _scatter_at(acoustics, half_m, foot, loss_db, place)[0]
+        if at_s >= until_s:
+            return math.nan, until_s
+        first_s = at_s
+    step = _COARSE_RAD
+    for _ in range(_HALVES):
+        step /= 2
+        middle, bend_s = place, -2 * first_s
+        for side in range(2):
+            theta = middle - step if side == 0 else middle + step
             if low <= theta <= high:
                 at_s = _scatter_at(acoustics, half_m, foot, loss_db, theta)[0]
+                bend_s += at_s
                 if at_s < first_s:
                     place, first_s = theta, at_s
-    if first_s < until_s:
-        step = _COARSE_RAD / _FINE_PARTS
-        for _ in range(_HALVES):
-            step /= 2
-            middle = place
-            for side in range(2):
-                theta = middle - step if side == 0 else middle + step
-                if low <= theta <= high:
-                    at_s = _scatter_at(acoustics, half_m, foot, loss_db, theta)[0]
-                    if at_s < first_s:
-                        place, first_s = theta, at_s
+            else:
+                bend_s = math.inf
+        # Between places so much alike no other is earlier by more.
+        if place == middle and bend_s < _SAME_S:
+            break
     return place, first_s
 
 
 @njit(error_model="numpy")
-def _scatter(faces, rays, acoustics, stack, level, face, half_m, foot, low, high, loss_db, echoes):
+def _loudest(acoustics, half_m, foot, loss_db, low, high):
+    """Return the bearing between two at which what is scattered is loudest: a golden section."""
+    one, other = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    one_db = _over_db(acoustics, half_m, foot, loss_db, one)
+    other_db = _over_db(acoustics, half_m, foot, loss_db, other)
+    for _ in range(_RISES):
+        if one_db > other_db:
+            high, other, other_db = other, one, one_db
+            one = high - _GOLDEN * (high - low)
+            one_db = _over_db(acoustics, half_m, foot, loss_db, one)
+        else:
+            low, one, one_db = one, other, other_db
+            other = low + _GOLDEN * (high - low)
+            other_db = _over_db(acoustics, half_m, foot, loss_db, other)
+    return (low + high) / 2
+
+
+@njit(error_model="numpy")
+def _scatter(
+    faces, rays, acoustics, stack, level, face, half_m, foot, low, high, loss_db, most_db, echoes
+):
     """Let the best be the first sound of a rough face's places that are seen, if it comes first."""
     parts = np.empty((_MOST_PARTS, 4))
     parts[0, 0], parts[0, 1] = low, high
     parts[0, 2], parts[0, 3] = _first_place(
-        acoustics, half_m, foot, loss_db, low, high, echoes[0, c.CROSSING]
+        acoustics, half_m, foot, loss_db, most_db, low, high, echoes[0, c.CROSSING]
     )
     count = 1
     for _ in range(_MOST_HIDDEN):
@@ -189,7 +237,7 @@ def _scatter(faces, rays, acoustics, stack, level, face, half_m, foot, low, high
             if begin < end and count < _MOST_PARTS:
                 parts[count, 0], parts[count, 1] = begin, end
                 parts[count, 2], parts[count, 3] = _first_place(
-                    acoustics, half_m, foot, loss_db, begin, end, echoes[0, c.CROSSING]
+                    acoustics, half_m, foot, loss_db, most_db, begin, end, echoes[0, c.CROSSING]
                 )
                 count += 1
 

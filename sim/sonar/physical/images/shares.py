@@ -34,7 +34,7 @@ def face_share(faces, stops, acoustics, i, height, foot_m, at_m, cos, one_m, oth
     per_m = max(cos, _LEAST_COS) * clearance_per_m(
         acoustics.wavelength_m, max(one_m, _LEAST_M), max(other_m, _LEAST_M)
     )
-    return seen_share(acoustics.fresnel, low_m * per_m, high_m * per_m)
+    return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
 
 
 @njit(error_model="numpy")
@@ -48,7 +48,7 @@ def corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m):
     )
     half_m = max(half_m, _LEAST_M)
     clearance = width_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m)
-    return seen_share(acoustics.fresnel, -clearance, clearance)
+    return seen_share(acoustics.tables, -clearance, clearance)
 
 
 @njit(error_model="numpy")

@@ -27,7 +27,7 @@ def test_page_shows_every_part(tmp_path, run, monkeypatch):
     )
     assert not re.search(r"https?:|<script|\.\.\.|\bnan\b", html)
     assert "The thesis" not in html
-    assert html.count("<img") == 9
+    assert html.count("<img") == 11
     assert "A quick run" in html
     for part in acoustics.PARTS:
         assert f'id="{part}"' in html
