@@ -330,7 +330,7 @@ def _is_near(circles, i, beam, best_m):
     )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _put_segments(segments, beam, is_near, best_m, faces):
     """Write the segments that lie in a beam nearer than `best_m`; return how many."""
     xx, xy, yx, yy = beam[X_OF_X], beam[X_OF_Y], beam[Y_OF_X], beam[Y_OF_Y]
@@ -383,7 +383,7 @@ def _put_segments(segments, beam, is_near, best_m, faces):
     return count
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _mark_near(segments, beam, best_m, is_near):
     """Mark the segments that may lie in a beam nearer than `best_m`: a straight, quick loop."""
     if beam[PILLARS] > 0.0:
