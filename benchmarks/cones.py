@@ -1,15 +1,14 @@
-"""Exact cones beside fans of 31 rays, many drives in one call, and how both grow.
+"""Exact cones beside fans of 31 rays, and many drives in one call.
 
 Rates are by the clock; costs in microseconds are processor time, which other work on the machine
-does not lengthen.
+does not lengthen. `growth.py` measures and draws how both grow.
 """
 
 import math
 from time import perf_counter, process_time
+from typing import NamedTuple
 
 import gymnasium
-import numpy as np
-from rays import hall
 
 import worlds
 from sim.envs.registration import IDS
@@ -22,12 +21,26 @@ from sim.sonar.cone.sonar import FAN_RAYS
 ROOMS = ("office", "clutter", "corridor", "thesis-exp1")
 EXACT = sonars.preset("thesis")
 NAVIGATE = next(name for name in IDS if "Navigate" in name)
+# Control steps of all robots in a run that is timed.
+STEPS = 2560
+
+
+class Speed(NamedTuple):
+    """The best rate by the clock and the least processor time, microseconds, of some runs."""
+
+    a_second: float
+    cost_us: float
 
 
 def main() -> None:
     many_drives()
-    vectors()
-    faces()
+    for robots in (1, 16, 256):
+        exact, fan = vector(robots, None), vector(robots, FAN_RAYS)
+        print(
+            f"vector of {robots}, Navigate: exact {exact.a_second:,.0f} steps/s, "
+            f"{exact.cost_us:.0f} us a step; {FAN_RAYS} rays {fan.a_second:,.0f} steps/s, "
+            f"{fan.cost_us:.0f} us"
+        )
 
 
 def many_drives() -> None:
@@ -35,71 +48,45 @@ def many_drives() -> None:
     rooms = [worlds.load(name) for name in ROOMS]
     drives = [BatchDrive(rooms[k % 4], 1000, k, "wander") for k in range(16)]
     list(simulate_batch(drives[:4]))
-    best, cost = math.inf, math.inf
-    for _ in range(5):
-        begin, used = perf_counter(), process_time()
-        readings = sum(len(log) for _, log in simulate_batch(drives))
-        best, cost = min(best, perf_counter() - begin), min(cost, process_time() - used)
-    used = process_time()
-    alone = len(
-        plain_log(
-            DriveArguments.of(
-                rooms[0], scans=1000, seed=0, driver="wander", sonar=EXACT, engine="segments"
-            )
-        )
+    readings = sum(drive.scans for drive in drives) * len(EXACT.ring)
+    best = speed_of(lambda: list(simulate_batch(drives)), readings)
+    asked = DriveArguments.of(
+        rooms[0], scans=1000, seed=0, driver="wander", sonar=EXACT, engine="segments"
     )
-    used = process_time() - used
+    alone = speed_of(
+        lambda: plain_log(asked),
+        1000 * len(EXACT.ring),
+        runs=1,
+    )
     print(
-        f"many drives: {readings / best:,.0f} readings/s (wanted 500,000 on two cores), "
-        f"{cost / readings * 1e6:.2f} us a reading; step by step {used / alone * 1e6:.1f} us"
+        f"many drives: {best.a_second:,.0f} readings/s (wanted 500,000 on two cores), "
+        f"{best.cost_us:.2f} us a reading; step by step {alone.cost_us:.1f} us"
     )
 
 
-def vectors() -> None:
-    """Print steps a second of vectors of robots, exact and with fans."""
-    for robots in (1, 16, 256):
-        rates, costs = [], []
-        for rays in (None, FAN_RAYS):
-            env = gymnasium.make_vec(
-                NAVIGATE, num_envs=robots, vectorization_mode="vector_entry_point", world="office",
-                sonar=sonars.preset("aria").replace(rays=rays),
-            )  # fmt: skip
-            env.reset(seed=0)
-            actions = [env.action_space.sample() for _ in range(max(2, 2560 // robots))]
-            env.step(actions[0])
-            best, cost = math.inf, math.inf
-            for _ in range(5):
-                begin, used = perf_counter(), process_time()
-                for action in actions:
-                    env.step(action)
-                best, cost = min(best, perf_counter() - begin), min(cost, process_time() - used)
-            env.close()
-            rates.append(robots * len(actions) / best)
-            costs.append(cost / robots / len(actions) * 1e6)
-        print(
-            f"vector of {robots}, Navigate: exact {rates[0]:,.0f} steps/s, {costs[0]:.0f} us a "
-            f"step; {FAN_RAYS} rays {rates[1]:,.0f} steps/s, {costs[1]:.0f} us"
-            + (" (wanted 4 times as many)" if robots == 256 else "")
-        )
+def vector(robots: int, rays: int | None) -> Speed:
+    """Return the speed of a vector of robots on Navigate, a step of a robot, by number of rays."""
+    env = gymnasium.make_vec(
+        NAVIGATE, num_envs=robots, vectorization_mode="vector_entry_point", world="office",
+        sonar=sonars.preset("aria").replace(rays=rays),
+    )  # fmt: skip
+    env.reset(seed=0)
+    env.action_space.seed(0)
+    actions = [env.action_space.sample() for _ in range(max(2, STEPS // robots))]
+    env.step(actions[0])
+    speed = speed_of(lambda: [env.step(action) for action in actions], robots * len(actions))
+    env.close()
+    return speed
 
 
-def faces() -> None:
-    """Print what a reading costs in halls with more and more walls of four faces."""
-    rng = np.random.default_rng(0)
-    places, axes = rng.uniform(2, 18, (400, 2)), rng.uniform(-math.pi, math.pi, 400)
-    for walls in (3, 25, 250, 2500):
-        room, costs = hall(walls), []
-        for rays in (None, FAN_RAYS):
-            sonar, best = EXACT.replace(rays=rays), math.inf
-            for _ in range(5):
-                begin = process_time()
-                sonar.listen(room.faces, room, places, axes, np.random.default_rng(0))
-                best = min(best, process_time() - begin)
-            costs.append(best / axes.size * 1e6)
-        print(
-            f"{4 * walls:,} faces: exact {costs[0]:.1f} us a reading, "
-            f"{FAN_RAYS} rays one by one {costs[1]:.1f} us"
-        )
+def speed_of(work, count: int, runs: int = 5) -> Speed:
+    """Return the speed of a work that is to be done so many times."""
+    best, cost = math.inf, math.inf
+    for _ in range(runs):
+        begin, used = perf_counter(), process_time()
+        work()
+        best, cost = min(best, perf_counter() - begin), min(cost, process_time() - used)
+    return Speed(count / best, cost / count * 1e6)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ Both searches run in turn in one process, so that what else the machine does mee
 
 import math
 from itertools import product
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -84,22 +84,22 @@ def stops_in(room: worlds.World, count: int) -> Stops:
 
 
 def read(room: worlds.World, sonar: sim.PhysicalSonar, stops: Stops) -> tuple[list, float]:
-    """Return the echoes of a scan at each pose, and how long it took, seconds."""
+    """Return the echoes of a scan at each pose, and the processor time it took, seconds."""
     ring, order = sonar.ring, list(pings(sonar.firing, len(sonar.ring), scans=1))
     places = [ring.sensor_xy_m(slice(None), *stop) for stop in stops]
     with Segments(room, room.start) as engine:
         array = sonar.array(engine, room, np.random.default_rng(0))
-        begin, echoes = perf_counter(), []
+        begin, echoes = process_time(), []
         for k, (place, stop) in enumerate(zip(places, stops, strict=True)):
             for ping in order:
                 axes = stop[2] + ring.heading_rad
                 array.fire(10 * k + ping.time_s, ping.sonars, place, axes)
             echoes.append(array.detect())
-    return echoes, perf_counter() - begin
+    return echoes, process_time() - begin
 
 
 def kernel_us(room: worlds.World, sonar: sim.PhysicalSonar) -> float:
-    """Return the best time of a reading at some poses, without driving."""
+    """Return the least processor time of a reading at some poses, without driving."""
     stops = stops_in(room, STOPS)
     return min(read(room, sonar, stops)[1] for _ in range(6)) / STOPS / 8 * 1e6
 

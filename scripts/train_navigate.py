@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import gymnasium
-import numba
 import numpy as np
 import torch
 import typer
@@ -375,10 +374,8 @@ def main(
     positive("--minutes", minutes)
     positive("--episodes", episodes)
     make_folder(out)
-    # So small a network gains nothing from more cores, and the threads of two libraries that wait
-    # for work take them from each other.
+    # So small a network gains nothing from more cores; the robots do.
     torch.set_num_threads(1)
-    numba.set_num_threads(1)
     model, curve = train(60 * minutes, seed)
     with atomic_path(out / "model.zip") as beside:
         # The schedule holds the clock of this training.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,8 @@ from sim.envs.maps.kernel import (
     REACHABLE,
     Maps,
     see_patches,
-    see_patches_together,
 )
-from sim.envs.threads import numba_threads
+from sim.envs.threads import in_parts
 from sonarmap import OccupancyMap
 
 __all__ = ["MapGrids"]
@@ -92,9 +90,13 @@ class MapGrids(ABC):
     def patches(self, states: NDArray[np.void], size: int, cell_m: float) -> NDArray[np.uint8]:
         """Return the maps around the robots, see `sim.envs.maps.kernel.see_patches`."""
         patches = np.empty((len(states), 1, size, size), np.uint8)
-        with self._threads_for(len(states)) as several:
-            see = see_patches_together if several else see_patches
-            see(patches, states, tuple(self._maps), cell_m)
+
+        def some(begin: int, end: int, _: int) -> None:
+            rows = slice(begin, end)
+            maps = tuple(part[rows] for part in self._maps)
+            see_patches(patches[rows], states[rows], maps, cell_m)
+
+        in_parts(some, len(states), self._threads_for(len(states)))
         return patches
 
     def map_of(self, row: int) -> OccupancyMap:
@@ -109,8 +111,8 @@ class MapGrids(ABC):
         assert facts is not None, "asked before begin"
         return facts
 
-    def _threads_for(self, robots: int) -> AbstractContextManager[bool]:
-        return numba_threads(1 if robots < _FEW else self._threads)
+    def _threads_for(self, robots: int) -> int:
+        return 1 if robots < _FEW else self._threads
 
     def _grow(self, rows: int, cols: int) -> None:
         robots, had_rows, had_cols = self._maps.log_odds.shape

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from sonarmap.kernels.cells import cell_index
@@ -24,10 +23,8 @@ __all__ = [
     "Maps",
     "Readings",
     "add_fresh",
-    "add_fresh_together",
     "fresh_echoes",
     "see_patches",
-    "see_patches_together",
 ]
 
 # What a cell is in truth.
@@ -213,17 +210,6 @@ def add_fresh(states, rows, maps, cones, readings, cells, runs):
             _add_reading(own, sensor, cones, readings, i, cells, runs)
 
 
-@njit(parallel=True)
-def add_fresh_together(states, rows, maps, cones, readings, cells, runs):
-    """Do as `add_fresh` on all of numba's threads, a part for each row of working memory."""
-    jobs = runs.shape[0]
-    a, b, c, d, e, f = cells
-    for job in prange(jobs):
-        begin, end = rows.size * job // jobs, rows.size * (job + 1) // jobs
-        own = a[job], b[job], c[job], d[job], e[job], f[job]
-        add_fresh(states, rows[begin:end], maps, cones, readings, own, runs[job])
-
-
 @njit()
 def _see_patch(patch, pose, own, cell_m):
     """Write the map around one robot; see `see_patches`."""
@@ -259,12 +245,4 @@ def see_patches(patches, states, maps, cell_m):
     """
     maps = Maps(*maps)
     for robot in range(states.size):
-        _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)
-
-
-@njit(parallel=True)
-def see_patches_together(patches, states, maps, cell_m):
-    """Do as `see_patches` on all of numba's threads."""
-    maps = Maps(*maps)
-    for robot in prange(states.size):
         _see_patch(patches[robot, 0], states[robot].believed_pose, _map_of(maps, robot), cell_m)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from sim.envs.facts import RoomFacts
 from sim.envs.maps.grids import MapGrids
-from sim.envs.maps.kernel import Cones, Readings, add_fresh, add_fresh_together, fresh_echoes
+from sim.envs.maps.kernel import Cones, Readings, add_fresh, fresh_echoes
+from sim.envs.threads import PARTS, in_parts
 from sonarmap import ParameterizedModel, SonarRing
 from sonarmap.kernels.fusion import bearing_polynomial, cone_room
 from sonarmap.methods.bayes.models import SensorModel
@@ -20,9 +21,6 @@ MAP_MODEL = ParameterizedModel(p1=0.4, p2=0.02, p3_m=0.05, p4=0.6, p5_rad=math.r
 """What the environments' maps make of a reading. Ten readings a second repeat one another, and the
 thesis's model, which takes each for news, makes a map worse the longer a robot drives: -0.41 to
 0.07 bit a cell after 50 s in four rooms. This one trusts a reading less: 0.06 to 0.53 bit."""
-
-# Many robots are mapped in so many parts, each with memory of its own.
-_JOBS = 16
 
 
 class RobotMaps(MapGrids):
@@ -60,8 +58,8 @@ class RobotMaps(MapGrids):
             bearing_polynomial(model.half_angle_rad),
         )
         self._limit_m = min(ring.range_max_m, model.range_limit_m, max_range_m)
-        self._cells = tuple(np.empty((_JOBS, 1)) for _ in range(6))
-        self._runs = np.empty((_JOBS, 2, 1), np.int64)
+        self._cells = tuple(np.empty((PARTS, 1)) for _ in range(6))
+        self._runs = np.empty((PARTS, 2, 1), np.int64)
 
     def begin(self, row: int, facts: RoomFacts) -> None:
         """Begin an empty map of a room."""
@@ -76,19 +74,20 @@ class RobotMaps(MapGrids):
         range_m, number = fresh_echoes(states, self._limit_m)
         regions = self._model.regions(range_m)
         readings = Readings(number, regions.border_m, regions.axis, regions.edge)
-        work = states, rows, tuple(self._maps), tuple(self._cones), tuple(readings)
-        with self._threads_for(rows.size) as several:
-            if several:
-                add_fresh_together(*work, self._cells, self._runs)
-            else:
-                add_fresh(*work, tuple(part[0] for part in self._cells), self._runs[0])
+        fields = tuple(self._maps), tuple(self._cones), tuple(readings)
+
+        def some(begin: int, end: int, part: int) -> None:
+            cells = tuple(memory[part] for memory in self._cells)
+            add_fresh(states, rows[begin:end], *fields, cells, self._runs[part])
+
+        in_parts(some, rows.size, self._threads_for(rows.size))
 
     def _need(self, room: int, rows: int) -> None:
-        """Hold working memory for cones of so many cells and rows, a row of it for each job.
+        """Hold working memory for cones of so many cells and rows, a row of it for each part.
 
         It is kept: to get it anew at every step would cost as much as the work.
         """
         had_room, had_rows = self._cells[0].shape[1], self._runs.shape[2]
         if room > had_room or rows > had_rows:
-            self._cells = tuple(np.empty((_JOBS, max(room, had_room))) for _ in range(6))
-            self._runs = np.empty((_JOBS, 2, max(rows, had_rows)), np.int64)
+            self._cells = tuple(np.empty((PARTS, max(room, had_room))) for _ in range(6))
+            self._runs = np.empty((PARTS, 2, max(rows, had_rows)), np.int64)

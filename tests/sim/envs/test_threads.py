@@ -3,8 +3,11 @@
 import multiprocessing
 import subprocess
 import sys
+import threading
+import time
 
 import gymnasium
+import numpy as np
 import pytest
 from sameness import assert_same
 
@@ -97,15 +100,55 @@ def test_a_container_has_its_share_of_the_cores(files, cores, tmp_path, monkeypa
     assert threads.usable_cores() == cores
 
 
-def test_numba_gets_its_threads_back():
-    import numba
+@pytest.mark.parametrize("count", [0, 1, 2, 7, 64, 1000])
+@pytest.mark.parametrize("number", [1, 2, 5, 200])
+def test_parts_make_the_whole(count, number):
+    done, parts = np.zeros(count, int), []
 
-    before = numba.get_num_threads()
-    with threads.numba_threads(10_000) as several:
-        assert several == (numba.config.NUMBA_NUM_THREADS > 1)
-    with threads.numba_threads(1) as several:
-        assert not several
-    assert numba.get_num_threads() == before
+    def work(begin, end, part):
+        done[begin:end] += 1
+        parts.append(part)
+
+    threads.in_parts(work, count, number)
+    assert (done == 1).all()
+    assert sorted(parts) == list(range(len(parts)))
+    assert len(parts) <= threads.PARTS
+
+
+@pytest.mark.parametrize("fails", range(8))
+def test_a_part_that_fails_fails_the_whole_when_the_others_have_ended(fails):
+    under_way = []
+
+    def work(begin, end, part):
+        under_way.append(part)
+        time.sleep(0.001)
+        under_way.remove(part)
+        if part == fails:
+            raise ValueError(f"part {part}")
+
+    with pytest.raises(ValueError, match=f"part {fails}"):
+        threads.in_parts(work, 100, 2)
+    assert not under_way
+
+
+def test_a_thread_that_does_not_come_is_not_waited_for():
+    begin, end = threading.Event(), threading.Event()
+
+    def busy():
+        begin.set()
+        end.wait()
+
+    held = threads._pool(1).submit(busy)
+    begin.wait()
+    done = np.zeros(100, int)
+
+    def work(begin, end, part):
+        done[begin:end] += 1
+
+    threads.in_parts(work, 100, 2)
+    end.set()
+    held.result()
+    assert (done == 1).all()
 
 
 FORKED = """

@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 from sim.envs.backends.compiled.cone import RingGeometry
 from sim.envs.backends.compiled.stepping import (
     Draws,
+    advance,
     advance_alone,
-    advance_in_turn,
-    advance_together,
     body_dtype,
 )
 from sim.envs.backends.protocol import EpisodeSetup
 from sim.envs.rooms import Rooms
 from sim.envs.states import new_states
-from sim.envs.threads import numba_threads
+from sim.envs.threads import in_parts
 from sim.robot.clock import physics_steps
 from sim.robot.odometry import drawn_errors
 from sim.sonar.cone.compiled import CompiledCone
@@ -106,9 +105,11 @@ class CompiledBackend:
         if rows.size == 1:
             self._call(advance_alone, wanted_mps, self._steps, rows[0])
         elif rows.size:
-            with numba_threads(self._threads) as several:
-                advance = advance_together if several else advance_in_turn
-                self._call(advance, wanted_mps, self._steps, rows)
+
+            def some(begin: int, end: int, _: int) -> None:
+                self._call(advance, wanted_mps, self._steps, rows[begin:end])
+
+            in_parts(some, rows.size, self._threads)
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""

@@ -10,7 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from sim.envs.backends.compiled.cone import (
@@ -30,7 +29,7 @@ from sonarmap import LogTruth
 from sonarmap.kernels.jit import njit
 from worlds.facetable import FaceTable
 
-__all__ = ["Draws", "advance_alone", "advance_in_turn", "advance_together", "body_dtype"]
+__all__ = ["Draws", "advance", "advance_alone", "body_dtype"]
 
 _NO_SOURCE = int(LogTruth.NO_SOURCE)
 
@@ -194,7 +193,7 @@ def _advance(table, state, body, surfaces, ring, draws, wanted_mps, steps):
 
 @njit()
 def advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, row):
-    """Advance the robot of one row; see `advance_together`."""
+    """Advance the robot of one row; see `advance`."""
     noise, slip = draws
     _advance(
         FaceTable(*table),
@@ -209,15 +208,8 @@ def advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, ste
 
 
 @njit()
-def advance_in_turn(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
-    """Do as `advance_together` on one core."""
-    for row in rows:
-        advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, row)
-
-
-@njit(parallel=True)
-def advance_together(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
-    """Advance robots by one control step, on all of numba's threads.
+def advance(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows):
+    """Advance robots by one control step, one after the other.
 
     Parameters
     ----------
@@ -236,5 +228,5 @@ def advance_together(table, states, bodies, materials, ring, draws, wanted_mps, 
     rows : ndarray of int
         Which robots.
     """
-    for k in prange(rows.size):
-        advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, rows[k])
+    for row in rows:
+        advance_alone(table, states, bodies, materials, ring, draws, wanted_mps, steps, row)

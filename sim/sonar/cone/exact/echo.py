@@ -35,6 +35,7 @@ from sim.sonar.cone.exact.beam import (
     Y_OF_X,
     Y_OF_Y,
     first_beam,
+    ray_of,
     unfold,
 )
 from sim.sonar.cone.exact.beam import COLUMNS as BEAM_COLUMNS
@@ -76,6 +77,8 @@ __all__ = ["ExactEchoes", "exact_echoes", "hear_all", "hear_ring"]
 # Of paths that differ by less, as those to the corner of two faces do, counts the one over fewer
 # mirrors, then that to the face met more steeply.
 _SAME_M = 1e-12
+# What cannot lie in a beam is farther outside than this; metres, and sines.
+_SLACK_M = 1e-6
 # The part of a visible piece that returns sound, after the columns of `visible`.
 _RETURNS_FROM, _RETURNS_TO = 3, 4
 
@@ -307,10 +310,18 @@ def _echo(
 @njit(error_model="numpy")
 def _is_near(circles, i, beam, best_m):
     """Return whether a circle may lie in a beam nearer than `best_m`."""
-    if beam[PILLARS] > 0.0:
+    if beam[PILLARS] > 1.0:
         return True
     x, y = in_frame(beam, circles[0, i], circles[1, i])
     radius, low, high = circles[2, i], beam[LOW], beam[HIGH]
+    if beam[PILLARS] > 0.0:
+        cx, cy, rim, right_x, right_y, left_x, left_y, reach_m = _behind_pillar(beam, best_m)
+        x, y, rim, reach_m = x - cx, y - cy, rim + radius, reach_m + radius
+        return (
+            (right_x * y - right_y * x >= -rim)
+            & (left_x * y - left_y * x <= rim)
+            & (x * x + y * y <= reach_m * reach_m)
+        )
     return (
         (x - radius <= best_m)
         & (y - low * x > -radius * math.sqrt(1.0 + low * low))
@@ -319,7 +330,7 @@ def _is_near(circles, i, beam, best_m):
     )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _put_segments(segments, beam, is_near, best_m, faces):
     """Write the segments that lie in a beam nearer than `best_m`; return how many."""
     xx, xy, yx, yy = beam[X_OF_X], beam[X_OF_Y], beam[Y_OF_X], beam[Y_OF_Y]
@@ -372,11 +383,11 @@ def _put_segments(segments, beam, is_near, best_m, faces):
     return count
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def _mark_near(segments, beam, best_m, is_near):
     """Mark the segments that may lie in a beam nearer than `best_m`: a straight, quick loop."""
     if beam[PILLARS] > 0.0:
-        is_near[:] = True
+        _mark_behind_pillar(segments, beam, best_m, is_near)
         return
     xx, xy, yx, yy = beam[X_OF_X], beam[X_OF_Y], beam[Y_OF_X], beam[Y_OF_Y]
     place_x, place_y, low, high = beam[PLACE_X], beam[PLACE_Y], beam[LOW], beam[HIGH]
@@ -392,6 +403,58 @@ def _mark_near(segments, beam, best_m, is_near):
             & (max(nx * ax + ny * ay, nx * bx + ny * by) > off)
             & (min(ax, bx) <= best_m)
         )
+
+
+@njit(error_model="numpy")
+def _mark_behind_pillar(segments, beam, best_m, is_near):
+    """As `_mark_near` for a beam that a pillar has mirrored.
+
+    How a face lies there takes a search, so those that cannot lie in the beam are sorted out first.
+    """
+    if beam[PILLARS] > 1.0:
+        is_near[:] = True
+        return
+    cx, cy, radius, right_x, right_y, left_x, left_y, reach_m = _behind_pillar(beam, best_m)
+    xx, xy, yx, yy = beam[X_OF_X], beam[X_OF_Y], beam[Y_OF_X], beam[Y_OF_Y]
+    place_x, place_y = beam[PLACE_X] - cx, beam[PLACE_Y] - cy
+    for i in range(is_near.size):
+        ax = xx * segments[0, i] + xy * segments[1, i] + place_x
+        ay = yx * segments[0, i] + yy * segments[1, i] + place_y
+        bx = xx * segments[2, i] + xy * segments[3, i] + place_x
+        by = yx * segments[2, i] + yy * segments[3, i] + place_y
+        ex, ey = bx - ax, by - ay
+        share = -(ax * ex + ay * ey) / max(ex * ex + ey * ey, 1e-300)
+        share = min(max(share, 0.0), 1.0)
+        foot_x, foot_y = ax + share * ex, ay + share * ey
+        is_near[i] = (
+            (max(right_x * ay - right_y * ax, right_x * by - right_y * bx) >= -radius)
+            & (min(left_x * ay - left_y * ax, left_x * by - left_y * bx) <= radius)
+            & (foot_x * foot_x + foot_y * foot_y <= reach_m * reach_m)
+        )
+
+
+@njit(error_model="numpy")
+def _behind_pillar(beam, best_m):
+    """Return where sound of a beam that one pillar has mirrored may be found.
+
+    Returns
+    -------
+    x, y, radius : float
+        The pillar, a little larger, so that rounding sorts out nothing.
+    right_x, right_y, left_x, left_y : float
+        Directions between which all rays leave it; zeros where they spread over half a turn.
+    reach_m : float
+        How far from its centre what is nearer than `best_m` may be.
+    """
+    x, y, radius = beam[FIRST_PILLAR], beam[FIRST_PILLAR + 1], beam[FIRST_PILLAR + 2] + _SLACK_M
+    # A pillar turns left and right around: the lowest slope leaves it leftmost.
+    _, _, left_x, left_y, _, _, _ = ray_of(beam, beam[LOW])
+    _, _, right_x, right_y, _, _, _ = ray_of(beam, beam[HIGH])
+    if not right_x * left_y - right_y * left_x > _SLACK_M:
+        right_x = right_y = left_x = left_y = 0.0
+    # No way to the pillar is shorter than that to its front, nor one from it than from its rim.
+    reach_m = best_m - math.sqrt(x * x + y * y) + 2 * radius
+    return x, y, radius, right_x, right_y, left_x, left_y, max(reach_m, 0.0)
 
 
 @njit(error_model="numpy")

@@ -83,7 +83,7 @@ COLUMNS = 13
 _BEHIND_M = 1e-9
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def lie_straight(ax, ay, bx, by, low, high):
     """Return how a segment lies in a beam that no pillar has mirrored, all numbers, no arrays.
 
@@ -124,7 +124,7 @@ def lie_straight(ax, ay, bx, by, low, high):
     return start, end, ax, ay, ex, ey, length, height
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def nearest_straight(x, y, ex, ey, length, height, low, high):
     """Return the shortest way to a segment between two slopes, and the sine there, positive."""
     leans_low, leans_high = ex + low * ey, ex + high * ey
@@ -136,7 +136,7 @@ def nearest_straight(x, y, ex, ey, length, height, low, high):
     return height * root / (ey - slope * ex), abs(leans) / (length * root)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def returning_straight(ex, ey, low, high, critical_cos):
     """Return the slopes between two at which a segment is met within its critical angle.
 
@@ -187,7 +187,7 @@ def way(beam, faces, k, slope):
     return path + leg, aside / faces[k, RADIUS]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def nearness(beam, faces, k, slope):
     """Return a number that is larger the nearer a face is along a ray that meets it."""
     if beam[PILLARS] == 0.0:
@@ -254,7 +254,7 @@ def _sine(beam, faces, k, slope):
     return min(max(sine, -2.0), 2.0)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def beyond_mirror(ax, ay, bx, by, nx, ny, off):
     """Return the part of a segment that lies behind a line, four numbers; NaN if none does."""
     a_on, b_on = nx * ax + ny * ay - off, nx * bx + ny * by - off
@@ -446,7 +446,7 @@ def crossings(beam, faces, i, j, low, high):
     return first, second
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def in_frame(beam, x, y):
     """Return where the frame of a beam sees a point of the room."""
     return (

@@ -8,6 +8,7 @@ import numpy as np
 
 from sim.sonar.physical import columns as t
 from sim.sonar.physical.detection import detect, readings
+from sim.sonar.physical.fresnel import FOCUS_DB
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.crosstalk import find_crosstalk
 from sim.sonar.physical.images.echoes import (
@@ -20,6 +21,7 @@ from sim.sonar.physical.images.echoes import (
 from sim.sonar.physical.images.paths import blocked_at, is_leg_free, next_image, set_transducer
 from sim.sonar.physical.images.scatter import find_scatter
 from sim.sonar.physical.images.truth import true_ranges
+from sim.sonar.physical.levels import loudest_other_db, widest_rad
 from sonarmap.kernels.jit import njit
 
 __all__ = ["listen_images"]
@@ -135,13 +137,19 @@ def _others_sounds(
 ):
     """Add the sounds of a sonar that the others may detect."""
     faces, _, _, _, before, is_listed, rays = scene
-    set_transducer(stack, limits.wide_rad, xy[sonar, 0], xy[sonar, 1], axes[sonar], gain_db[sonar])
+    most_db = gain_db.max()
+    # Only so far off the axis enough is sent for others, who listen on their axes at best.
+    sent_db = loudest_other_db(acoustics, limits.least_cross_path_m) + FOCUS_DB
+    wide_rad = widest_rad(acoustics, 2 * (sent_db + gain_db[sonar] + most_db))
+    set_transducer(
+        stack, min(limits.wide_rad, wide_rad), xy[sonar, 0], xy[sonar, 1], axes[sonar],
+        gain_db[sonar],
+    )  # fmt: skip
     # The listeners lie in a circle about the sonar.
     spread_m = 0.0
     for k in range(len(axes)):
         dx, dy = xy[k, 0] - xy[sonar, 0], xy[k, 1] - xy[sonar, 1]
         spread_m = max(spread_m, math.sqrt(dx * dx + dy * dy))
-    most_db = gain_db.max()
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
