@@ -145,7 +145,7 @@ def first_hit(
                 return best, face
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def face_normal(
     normals: _Floats,
     circles: _Floats,
@@ -194,7 +194,7 @@ def cast_rays(
     return distances, against, surfaces
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def clearance(
     table: FaceTable, room: int, x: float, y: float, reach: float
 ) -> tuple[float, float, float]:
@@ -231,7 +231,7 @@ def clearance(
     return best, away_x, away_y
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _from_segment(segments: _Floats, i: int, x: float, y: float) -> tuple[float, float]:
     """Return the vector to a point from the nearest point of a segment."""
     ax, ay = x - segments[i, 0], y - segments[i, 1]

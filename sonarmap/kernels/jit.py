@@ -10,7 +10,7 @@ import numba
 __all__ = ["njit"]
 
 
-def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+def njit(*, makes_arrays: bool = True, **options: Any) -> Callable[[Callable[..., Any]], Any]:
     """Return a decorator that compiles a function when it is first called.
 
     The compiled code is kept beside the source or, where that may not be written, in the user's
@@ -21,9 +21,14 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
     Parameters
     ----------
+    makes_arrays : bool
+        False for a function that makes no arrays, nor lets others make any: then nobody counts
+        references to those that it is given, which can cost more than what it computes.
     **options
         As for `numba.njit`, but for ``cache`` and ``nogil``.
     """
+    if not makes_arrays:
+        options["_nrt"] = False  # numba's own switch of its runtime; it has no public name
 
     def compiled(function: Callable[..., Any]) -> Any:
         try:

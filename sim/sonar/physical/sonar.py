@@ -222,8 +222,14 @@ class PhysicalSonar:
             is_late=own_s < self.sound_life_s,
             cone_rad=float(self.ring.half_angle_rad),
             range_max_m=float(self.ring.range_max_m),
+            spare_db=self._spare_db,
             edge_reach_m=self._edge_reach_m,
         )
+
+    @property
+    def _spare_db(self) -> float:
+        """How much louder than a nominal transducer's mirror echo a sound may be, decibels."""
+        return FOCUS_DB + 2 * self.spread.most_db
 
     @cached_property
     def _edge_reach_m(self) -> float:
@@ -294,7 +300,7 @@ class PhysicalSonar:
         )
         # What focuses sound, and the most sensitive transducers, are heard from farther away; up
         # to the next path that was tried.
-        echo_db = np.maximum(own_db, others_db) + FOCUS_DB + 2 * self.spread.most_db
+        echo_db = np.maximum(own_db, others_db) + self._spare_db
         echo_db[path_m > bare.speed_mps * self._audible_s] = -math.inf
         loud = echo_db[:, None] > np.arange(tables.LOST_STEPS)
         last = np.where(loud.any(axis=0), len(path_m) - 1 - loud[::-1].argmax(axis=0), 0)
@@ -330,7 +336,7 @@ class PhysicalSonar:
         half = self.ring.half_angle_rad
         # Near targets are the loudest.
         loudest_db = loudest_echo_db(self.acoustics, 2 * max(self.ring.range_min_m, 0.05))
-        loudest_db += FOCUS_DB + 2 * self.spread.most_db
+        loudest_db += self._spare_db
         reach = max(self.piston.reach_rad(loudest_db) + self.spread.most_rad, half)
         reach = min(reach, math.pi / 2)
         lobe = min(self.piston.null_rad + self.spread.most_rad, reach)

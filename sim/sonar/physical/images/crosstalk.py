@@ -25,7 +25,7 @@ __all__ = ["find_crosstalk"]
 _NOTHING = 1e-12
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def find_crosstalk(
     scene, acoustics, limits, stack, level, sonar, xy, axis, gain_db, until_m, spread_m, most_db,
     start, found,
@@ -140,7 +140,7 @@ def find_crosstalk(
     return 0, 0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _over_point(
     faces, points, arms, acoustics, limits, stack, sonar, xy, axis, gain_db, until_m, spread_m,
     most_db, k, found,

@@ -60,7 +60,7 @@ def crossing_s(acoustics, path_m, level_db):
     return at_s if at_s <= acoustics.window_s else math.inf
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def find_of_faces(
     faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level,
     echoes,
@@ -168,7 +168,7 @@ def find_of_faces(
     return count
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def find_of_points(
     faces, points, arms, stops, before, is_listed, acoustics, limits, stack, level, echoes
 ):
@@ -224,7 +224,7 @@ def _may_be_heard(acoustics, stack, level, px, py, radius_m, is_edge):
     return most_db + FOCUS_DB + _TABLE_DB > 0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _passed(faces, stops, acoustics, stack, level, x, y, path_m):
     """Return `mirrors_share`, for a call costs where there are none."""
     if level == 0:
@@ -278,7 +278,7 @@ def _find_of_point(faces, points, arms, stops, acoustics, limits, stack, level, 
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _corner_or_edge(faces, arms, acoustics, first, last, dx, dy, half_m):
     """Return (face, level against a perfect mirror) of a vertex seen from a direction.
 
@@ -300,7 +300,7 @@ def _corner_or_edge(faces, arms, acoustics, first, last, dx, dy, half_m):
     return min(one, other), mirrors_db + 10 * math.log10(share + _NOTHING)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def edge_seen(faces, arms, first, last, dx, dy):
     """Return (face, level of its mirror) of a vertex that is an edge from a direction, else -1."""
     right, right_rad, left, left_rad = _seen_arms(arms, first, last, dx, dy)
@@ -310,7 +310,7 @@ def edge_seen(faces, arms, first, last, dx, dy):
     return face, faces[face, c.MIRROR]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _seen_arms(arms, first, last, dx, dy):
     """Return the two arms of a vertex between which a direction lies, and their angles to it.
 
@@ -337,7 +337,7 @@ def _seen_arms(arms, first, last, dx, dy):
     return right, right_rad, left, left_rad
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _edge_face(arms, right, right_rad, left, left_rad):
     """Return the face of an edge: both of its faces are seen, the first of them counts, or one."""
     one, other = int(arms[right, c.ARM_FACE]), int(arms[left, c.ARM_FACE])
@@ -348,7 +348,7 @@ def _edge_face(arms, right, right_rad, left, left_rad):
     return min(one, other)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", makes_arrays=False, forceinline=True)
 def has_late(limits, path_m):
     """Return whether a path is so long that the sonar hears it only after its next firing."""
     return limits.is_late and limits.least_late_path_m <= path_m <= 2 * limits.reach_m
@@ -376,7 +376,7 @@ def _with_echo(
     return count + 1
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def take_first(rays, stack, level, x, y, echoes, count):
     """Let the first of the echoes whose path is free be the best; return how many are left."""
     while True:
@@ -394,7 +394,7 @@ def take_first(rays, stack, level, x, y, echoes, count):
             echoes[first, column] = echoes[count, column]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def is_free(rays, stack, level, x, y, echoes, k):
     """Return whether an echo's path is free, there and back to the sonar at (x, y)."""
     at_x, at_y = echoes[k, c.AT_X], echoes[k, c.AT_Y]

@@ -52,7 +52,7 @@ class Joints(NamedTuple):
     place: NDArray[np.int64]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def extent(faces, stops, i, height, foot_m, at_m):
     """Return how far a face goes on before and behind a place of it, metres, <= 0 and >= 0.
 
@@ -81,7 +81,7 @@ def extent(faces, stops, i, height, foot_m, at_m):
     return min(low_m - at_m, 0.0), max(high_m - at_m, 0.0)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _mirrored_on(gap_m, depth_m, height_m):
     """Return how far a face goes on that ends at another one so high, seen from a height."""
     if gap_m <= 0 or depth_m == 0:

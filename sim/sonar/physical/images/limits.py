@@ -26,6 +26,9 @@ class ImageLimits(NamedTuple):
         Whether a sound lasts that long.
     cone_rad, range_max_m : float
         Nominal half-angle and range, for the truths only.
+    spare_db : float
+        How much louder than a nominal transducer's mirror echo the table of reaches takes sound to
+        be: what focuses it, and the most sensitive transducers. What is scattered has no focus.
     edge_reach_m : float
         How far away an edge is detected at most.
     """
@@ -38,4 +41,5 @@ class ImageLimits(NamedTuple):
     is_late: bool
     cone_rad: float
     range_max_m: float
+    spare_db: float
     edge_reach_m: float

@@ -38,7 +38,7 @@ _SHORT_M = 2e-4
 _HIDDEN_PARTS = 8
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def set_transducer(stack, wide_rad, x, y, axis, gain_db):
     """Let a stack begin with the transducer itself: its window is as wide as its sound."""
     ax, ay = math.cos(axis), math.sin(axis)
@@ -52,7 +52,7 @@ def set_transducer(stack, wide_rad, x, y, axis, gain_db):
     stack[0, c.FACE], stack[0, c.NEXT] = -1.0, 0.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _push_image(stack, level, faces, i, loss_db, height, low, high):
     """Set the image over a face, one level up, that looks out between two shares of the face.
 
@@ -103,7 +103,7 @@ def in_window(stack, level, x, y):
     return height + (y - stack[level, c.ON_Y]) * stack[level, c.WINDOW_Y] > OFF_M
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def seen_part(stack, level, ax, ay, ex, ey):
     """Return the shares of a face between which it lies in the window; (1, 0) if nowhere.
 
@@ -136,7 +136,7 @@ def seen_part(stack, level, ax, ay, ex, ey):
     return low, high
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def length_of_ray(rays, x, y, dx, dy, reach):
     """Return the length at which a ray meets something, +inf if it does not."""
     segments, circles, grid, shape, cell_start, cell_face = rays
@@ -145,7 +145,7 @@ def length_of_ray(rays, x, y, dx, dy, reach):
     ]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def blocked_at(rays, stack, level, x, y):
     """Return (leg, face that blocks it) of the path to a place over an image's mirrors.
 
@@ -175,7 +175,7 @@ def blocked_at(rays, stack, level, x, y):
     return -1, -1
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def is_leg_free(rays, x, y, to_x, to_y):
     """Return whether nothing stands between two places."""
     dx, dy = to_x - x, to_y - y
@@ -185,7 +185,7 @@ def is_leg_free(rays, x, y, to_x, to_y):
     return math.isinf(length_of_ray(rays, x, y, dx / length, dy / length, length - _SHORT_M))
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def next_image(
     faces, before, is_listed, rays, acoustics, stack, level, own_m, others_least_m, others_m,
     others_db,
@@ -241,7 +241,7 @@ def next_image(
     return False
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _is_hidden(rays, stack, level, px, py, qx, qy):
     """Return whether a straight face certainly hides another one, given by its ends.
 

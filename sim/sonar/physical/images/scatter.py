@@ -60,7 +60,7 @@ def find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level
         if faces[i, c.OUTWARD] * height < 0 or half_m < EDGE_ON_M or half_m >= far_m or i == mirror:
             continue
         loss_db = 2 * stack[level, c.LOSS] + faces[i, c.MIRROR] + faces[i, c.FLOOR]
-        if half_m >= lost_reach_m(acoustics, -loss_db):
+        if half_m >= lost_reach_m(acoustics, limits.spare_db - loss_db):
             continue
         ex, ey = faces[i, c.X1] - faces[i, c.X0], faces[i, c.Y1] - faces[i, c.Y0]
         low, high = seen_part(stack, level, ax, ay, ex, ey)
@@ -115,7 +115,7 @@ def _over_db(acoustics, half_m, foot, loss_db, theta):
     return over_db + 2 * beam_db(acoustics, theta) + 20 * math.log10(cos)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _first_place(acoustics, half_m, foot, loss_db, most_db, low, high, until_s):
     """Return (bearing, when) of the first sound from between two bearings, if before a time.
 
@@ -181,7 +181,7 @@ def _first_place(acoustics, half_m, foot, loss_db, most_db, low, high, until_s):
     return place, first_s
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _loudest(acoustics, half_m, foot, loss_db, low, high):
     """Return the bearing between two at which what is scattered is loudest: a golden section."""
     one, other = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
@@ -242,7 +242,7 @@ def _scatter(
                 count += 1
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _place(faces, stack, level, face, half_m, theta):
     """Return the place of a face that an image sees at a bearing of departure."""
     turn = stack[level, c.SIGN] * theta
@@ -256,7 +256,7 @@ def _place(faces, stack, level, face, half_m, theta):
     )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _shadow(faces, circles, stack, level, leg, blocker, face):
     """Return the bearings between which something in the way of a leg hides a face.
 

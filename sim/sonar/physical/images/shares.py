@@ -17,7 +17,7 @@ _LEAST_M = 1e-3
 _LEAST_COS = 1e-9
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def face_share(faces, stops, acoustics, i, height, foot_m, at_m, cos, one_m, other_m):
     """Return the power that a face turns at a place against that of a large one.
 
@@ -37,7 +37,7 @@ def face_share(faces, stops, acoustics, i, height, foot_m, at_m, cos, one_m, oth
     return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m):
     """Return the power of a right-angled corner against that of a large one.
 
@@ -51,7 +51,7 @@ def corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m):
     return seen_share(acoustics.tables, -clearance, clearance)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def mirrors_share(faces, stops, acoustics, stack, level, x, y, path_m):
     """Return the power that the mirrors of an image let pass on a way to a place, each once.
 

@@ -11,7 +11,7 @@ from sonarmap.kernels.jit import njit
 __all__ = ["true_ranges"]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def true_ranges(faces, points, rays, far_m, half, x, y, axis):
     """Return the ranges of the nearest face on the axis and in the cone; +inf beyond the range.
 
