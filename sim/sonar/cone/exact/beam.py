@@ -37,14 +37,14 @@ COLUMNS = FIRST_PILLAR
 """Columns of a beam that has met no pillar; each takes three more."""
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def between(step, low, high, at_low, at_high):
     """Return where to look for a root next: by the secant, in each third step by the middle."""
     share = at_low / (at_low - at_high) if step % 3 < 2 and at_low != at_high else 0.5
     return low + share * (high - low)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def first_beam(beam, x, y, axis_rad, half_slope):
     """Write the beam of a sonar's whole cone."""
     cos, sin = math.cos(axis_rad), math.sin(axis_rad)
@@ -59,7 +59,7 @@ def first_beam(beam, x, y, axis_rad, half_slope):
     beam[BOUNCES] = beam[ON_PILLAR] = beam[PILLARS] = 0.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def unfold(beam, x, y, nx, ny):
     """Unfold a beam behind the mirror through a point of its frame, unit normal along the rays."""
     offset = nx * x + ny * y
@@ -73,7 +73,7 @@ def unfold(beam, x, y, nx, ny):
     beam[ON_PILLAR] = 0.0
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def ray_of(beam, slope):
     """Return a ray after the last pillar on its way.
 
@@ -101,7 +101,7 @@ def ray_of(beam, slope):
     return x, y, dx, dy, path, nx, ny
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def side_of(beam, slope, x, y):
     """Return on which side of a ray a point lies: > 0 where rays of a higher slope go.
 
@@ -119,7 +119,7 @@ def side_of(beam, slope, x, y):
     return turn * math.copysign(1.0, nx * vy - ny * vx)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def slope_through(beam, x, y, low, high):
     """Return the slope between two of the ray that meets a point, NaN if there is none."""
     if beam[PILLARS] == 0.0:

@@ -307,7 +307,7 @@ def _echo(
     return echo_m, best_surface, best_bounces, best_sine, axis_m, cone_m
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _is_near(circles, i, beam, best_m):
     """Return whether a circle may lie in a beam nearer than `best_m`."""
     if beam[PILLARS] > 1.0:
@@ -330,7 +330,7 @@ def _is_near(circles, i, beam, best_m):
     )
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def _put_segments(segments, beam, is_near, best_m, faces):
     """Write the segments that lie in a beam nearer than `best_m`; return how many."""
     xx, xy, yx, yy = beam[X_OF_X], beam[X_OF_Y], beam[Y_OF_X], beam[Y_OF_Y]
@@ -383,7 +383,7 @@ def _put_segments(segments, beam, is_near, best_m, faces):
     return count
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def _mark_near(segments, beam, best_m, is_near):
     """Mark the segments that may lie in a beam nearer than `best_m`: a straight, quick loop."""
     if beam[PILLARS] > 0.0:
@@ -433,7 +433,7 @@ def _mark_behind_pillar(segments, beam, best_m, is_near):
         )
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _behind_pillar(beam, best_m):
     """Return where sound of a beam that one pillar has mirrored may be found.
 
@@ -457,7 +457,7 @@ def _behind_pillar(beam, best_m):
     return x, y, radius, right_x, right_y, left_x, left_y, max(reach_m, 0.0)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _nearest(beam, faces, k, low, high):
     """Return the shortest way to a face between two slopes, and the sine there, positive."""
     if faces[k, KIND] == SEGMENT and beam[PILLARS] == 0.0:
@@ -479,7 +479,7 @@ def _nearest(beam, faces, k, low, high):
     return at_high_m, abs(sine_high)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _foot(beam, faces, k, low, high):
     """Return the way to the place of a face that is met head-on, between two slopes."""
     if beam[PILLARS] == 0.0 and faces[k, KIND] == PILLAR:
@@ -488,7 +488,7 @@ def _foot(beam, faces, k, low, high):
     return way(beam, faces, k, slope_at_sine(beam, faces, k, 0.0, low, high))[0]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _returning(beam, faces, k, low, high, critical_cos):
     """As `returning_straight` for any face in any beam."""
     if faces[k, KIND] == SEGMENT and beam[PILLARS] == 0.0:
@@ -510,7 +510,7 @@ def _returning(beam, faces, k, low, high, critical_cos):
     return begin, end
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _mirror(beam, faces, k, low, high):
     """Send the rays of a beam between two slopes on over a face."""
     beam[LOW], beam[HIGH] = low, high

@@ -17,7 +17,7 @@ _ALL_FACES = 96
 _FIRST_FACES = 48
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def first_reach(table, room, far_m):
     """Return how far to look first, metres: what is found there need not be looked for farther."""
     _, _, _, _, span, grid, shape, _, _ = table

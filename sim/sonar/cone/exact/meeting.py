@@ -83,7 +83,7 @@ COLUMNS = 13
 _BEHIND_M = 1e-9
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def lie_straight(ax, ay, bx, by, low, high):
     """Return how a segment lies in a beam that no pillar has mirrored, all numbers, no arrays.
 
@@ -124,7 +124,7 @@ def lie_straight(ax, ay, bx, by, low, high):
     return start, end, ax, ay, ex, ey, length, height
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def nearest_straight(x, y, ex, ey, length, height, low, high):
     """Return the shortest way to a segment between two slopes, and the sine there, positive."""
     leans_low, leans_high = ex + low * ey, ex + high * ey
@@ -136,7 +136,7 @@ def nearest_straight(x, y, ex, ey, length, height, low, high):
     return height * root / (ey - slope * ex), abs(leans) / (length * root)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def returning_straight(ex, ey, low, high, critical_cos):
     """Return the slopes between two at which a segment is met within its critical angle.
 
@@ -163,7 +163,7 @@ def returning_straight(ex, ey, low, high, critical_cos):
     return max(right, low), min(left, high)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def way(beam, faces, k, slope):
     """Return the length of a ray's way up to a face that it meets, and the sine there."""
     if beam[PILLARS] == 0.0:
@@ -187,7 +187,7 @@ def way(beam, faces, k, slope):
     return path + leg, aside / faces[k, RADIUS]
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def nearness(beam, faces, k, slope):
     """Return a number that is larger the nearer a face is along a ray that meets it."""
     if beam[PILLARS] == 0.0:
@@ -203,7 +203,7 @@ def nearness(beam, faces, k, slope):
     return 1.0 / way(beam, faces, k, slope)[0]
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def slope_at_sine(beam, faces, k, sine, low, high):
     """Return the slope between two at which a face is met at a sine, which is between theirs."""
     if beam[PILLARS] == 0.0:
@@ -241,7 +241,7 @@ def slope_at_sine(beam, faces, k, sine, low, high):
     return min(max(slope, low), high)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _sine(beam, faces, k, slope):
     """Return the sine of a ray, beyond 1 and up to 2 for one that passes a pillar."""
     x, y, dx, dy, _, _, _ = ray_of(beam, slope)
@@ -254,7 +254,7 @@ def _sine(beam, faces, k, slope):
     return min(max(sine, -2.0), 2.0)
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def beyond_mirror(ax, ay, bx, by, nx, ny, off):
     """Return the part of a segment that lies behind a line, four numbers; NaN if none does."""
     a_on, b_on = nx * ax + ny * ay - off, nx * bx + ny * by - off
@@ -269,7 +269,7 @@ def beyond_mirror(ax, ay, bx, by, nx, ny, off):
     return ax, ay, bx, by
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def segment_behind_pillar(ax, ay, bx, by, beam, faces, k):
     """Write how a segment of the frame lies in a beam that a pillar has mirrored, if it does.
 
@@ -310,7 +310,7 @@ def segment_behind_pillar(ax, ay, bx, by, beam, faces, k):
     return True
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def outside_of_pillar(ax, ay, bx, by, x, y, radius, part):
     """Return one of the two parts of a segment outside of a circle, four numbers; NaN if none."""
     vx, vy, ex, ey = ax - x, ay - y, bx - ax, by - ay
@@ -335,7 +335,7 @@ def outside_of_pillar(ax, ay, bx, by, x, y, radius, part):
     return cx, cy, fx, fy
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def circle_in(circles, i, beam, part, faces, k):
     """Write how a circle of the room lies in a beam, if it does.
 
@@ -385,7 +385,7 @@ def circle_in(circles, i, beam, part, faces, k):
     return True
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _circle_behind_pillar(beam, faces, k):
     """Return the slopes between which a beam that a pillar has mirrored meets a circle."""
     low, high = beam[LOW], beam[HIGH]
@@ -408,7 +408,7 @@ def _circle_behind_pillar(beam, faces, k):
     return start, end
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def crossings(beam, faces, i, j, low, high):
     """Return the slopes between two at which faces cross: the lower, then the higher; NaN."""
     first, second = math.nan, math.nan
@@ -446,7 +446,7 @@ def crossings(beam, faces, i, j, low, high):
     return first, second
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def in_frame(beam, x, y):
     """Return where the frame of a beam sees a point of the room."""
     return (

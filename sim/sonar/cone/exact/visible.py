@@ -74,7 +74,7 @@ def look(beam, faces, count, pieces, order):
     return pieces, now, shown
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def _is_hidden(faces, k, pieces, now, shown):
     """Return whether a segment is behind nearer segments all along; quick, may miss it."""
     at, high = faces[k, FROM], faces[k, TO]
@@ -99,7 +99,7 @@ def _is_hidden(faces, k, pieces, now, shown):
     return False
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def _put(beam, faces, k, pieces, now, count):
     """Put a face where it is nearer than the pieces so far; return where they are and how many."""
     low, high = faces[k, FROM], faces[k, TO]
@@ -157,7 +157,7 @@ def _put(beam, faces, k, pieces, now, count):
     return new, out
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", makes_arrays=False)
 def _compare(beam, faces, i, j, slope):
     """Return 1 where face i is nearer than face j, -1 where it is farther, 0 for the same."""
     one, other = nearness(beam, faces, i, slope), nearness(beam, faces, j, slope)
@@ -167,7 +167,7 @@ def _compare(beam, faces, i, j, slope):
     return 1 if apart > 0.0 else -1
 
 
-@njit(error_model="numpy", forceinline=True)
+@njit(error_model="numpy", forceinline=True, makes_arrays=False)
 def _add(pieces, new, out, begin, end, k):
     """Add a piece, joined to the last one if it is of the same face; return how many there are."""
     if out > 0 and pieces[new, out - 1, OF_FACE] == k and pieces[new, out - 1, END] == begin:
