@@ -37,10 +37,8 @@ def main() -> None:
 
 def errors(log):
     """Return root mean square errors of place, metres, and heading, degrees."""
-    true = log.at_true_poses()
-    turned = (log.heading_rad - true.heading_rad + np.pi) % (2 * np.pi) - np.pi
-    away = np.hypot(log.x_m - true.x_m, log.y_m - true.y_m)
-    return np.sqrt(np.mean(away**2)), np.rad2deg(np.sqrt(np.mean(turned**2)))
+    error = sm.pose_error(log, log.at_true_poses())
+    return error.place_m, np.rad2deg(error.heading_rad)
 
 
 def told(title, logs, refined, seconds) -> None:

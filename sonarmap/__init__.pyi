@@ -31,6 +31,8 @@ from .methods.protocol import IncrementalMethod as IncrementalMethod
 from .methods.protocol import MappingMethod as MappingMethod
 from .occupancy import OccupancyMap as OccupancyMap
 from .pipeline import Pipeline as Pipeline
+from .poses.error import PoseError as PoseError
+from .poses.error import pose_error as pose_error
 from .poses.path import OdometryErrors as OdometryErrors
 from .poses.refining import refine_poses as refine_poses
 from .rings import AMIGOBOT as AMIGOBOT

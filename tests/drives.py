@@ -89,6 +89,4 @@ def log_of(true, told, rng, *, noise_m=0.01, ring=sm.AMIGOBOT):
 def pose_errors(log, true):
     """Return root mean square errors of place, metres, and heading, radians."""
     x, y, heading = np.repeat(true, len(log.ring), axis=0).T
-    turned = (log.heading_rad - heading + math.pi) % math.tau - math.pi
-    away = np.hypot(log.x_m - x, log.y_m - y)
-    return math.sqrt(np.mean(away**2)), math.sqrt(np.mean(turned**2))
+    return sm.pose_error(log, log.replace(x_m=x, y_m=y, heading_rad=heading))

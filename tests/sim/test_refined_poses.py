@@ -21,10 +21,7 @@ def drives():
 
 
 def errors(log):
-    true = log.at_true_poses()
-    turned = (log.heading_rad - true.heading_rad + np.pi) % (2 * np.pi) - np.pi
-    away = np.hypot(log.x_m - true.x_m, log.y_m - true.y_m)
-    return np.sqrt([np.mean(away**2), np.mean(turned**2)])
+    return np.array(sm.pose_error(log, log.at_true_poses()))
 
 
 def test_errors_fall_in_shipped_rooms(drives):

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from sonarbed.commands.filtering import check_output
 from sonarbed.options import Json
-
-if TYPE_CHECKING:
-    from sonarmap import SonarLog
 
 __all__ = ["refine"]
 
@@ -41,8 +39,18 @@ def refine(
     with working("refining"):
         after = sm.refine_poses(before, knot_m=knot_m)
         after.write(out)
-    facts = _moved(before, after)
-    errors = None if before.truth is None else [_errors(each) for each in (before, after)]
+    moved = sm.pose_error(after, before)
+    facts = {
+        "readings": len(before),
+        "moved_m": moved.place_m,
+        "turned_deg": math.degrees(moved.heading_rad),
+    }
+    errors = None
+    if before.truth is not None:
+        errors = [
+            {"place_m": error.place_m, "heading_deg": math.degrees(error.heading_rad)}
+            for error in (sm.pose_error(each, each.at_true_poses()) for each in (before, after))
+        ]
     if as_json:
         told = None if errors is None else dict(zip(("before", "after"), errors, strict=True))
         print_json({"file": str(out), **facts, "pose_errors": told})
@@ -66,27 +74,3 @@ def refine(
             ],
         )
     say(f"Written: {out}")
-
-
-def _moved(before: SonarLog, after: SonarLog) -> dict[str, float]:
-    place_m, heading_deg = _differences(before, after)
-    return {"readings": len(before), "moved_m": place_m, "turned_deg": heading_deg}
-
-
-def _errors(log: SonarLog) -> dict[str, float]:
-    place_m, heading_deg = _differences(log, log.at_true_poses())
-    return {"place_m": place_m, "heading_deg": heading_deg}
-
-
-def _differences(log: SonarLog, other: SonarLog) -> tuple[float, float]:
-    """Return root mean squares of the distances of places, metres, and of headings, degrees."""
-    import numpy as np
-
-    if not len(log):
-        return 0.0, 0.0
-    away_m = np.hypot(log.x_m - other.x_m, log.y_m - other.y_m)
-    turned_rad = (log.heading_rad - other.heading_rad + np.pi) % (2 * np.pi) - np.pi
-    return (
-        float(np.sqrt(np.mean(away_m**2))),
-        float(np.rad2deg(np.sqrt(np.mean(turned_rad**2)))),
-    )
