@@ -10,7 +10,7 @@ from sonarmap.kernels.jit import njit
 __all__ = ["record_step", "sense"]
 
 
-@njit(makes_arrays=False)
+@njit()
 def sense(states, last_shares, range_max_m, ranges, validity, speed, last_action):
     """Write what robots sense into new arrays.
 
@@ -38,7 +38,7 @@ def sense(states, last_shares, range_max_m, ranges, validity, speed, last_action
         last_action[i, 0], last_action[i, 1] = last_shares[i, 0], last_shares[i, 1]
 
 
-@njit(makes_arrays=False)
+@njit()
 def record_step(states, moves, shares, wanted_mps, dt_s, last_shares, touching_s, effort):
     """Record what a control step did to robots.
 

@@ -25,7 +25,7 @@ __all__ = ["advance_along_arc", "drive", "limited_speeds"]
 _PUSHES = 3
 
 
-@njit(makes_arrays=False)
+@njit()
 def limited_speeds(
     now_mps: tuple[float, float], wanted_mps: tuple[float, float], dt_s: float
 ) -> tuple[float, float]:
@@ -57,14 +57,14 @@ def limited_speeds(
     )
 
 
-@njit(makes_arrays=False)
+@njit()
 def _approach(now: float, wanted: float, dt_s: float) -> float:
     slows_down = abs(wanted) < abs(now) or now * wanted < 0
     most = (DECELERATION_MPS2 if slows_down else ACCELERATION_MPS2) * dt_s
     return now + math.copysign(min(abs(wanted - now), most), wanted - now)
 
 
-@njit(makes_arrays=False)
+@njit()
 def advance_along_arc(x, y, heading, left_m, right_m, track_m):
     """Return the pose (x, y, heading) after the wheels have rolled along an arc."""
     forward_m, turn = (left_m + right_m) / 2, (right_m - left_m) / track_m
@@ -78,7 +78,7 @@ def advance_along_arc(x, y, heading, left_m, right_m, track_m):
     )
 
 
-@njit(makes_arrays=False)
+@njit()
 def drive(table: FaceTable, room, pose, speeds_mps, turns_rad, left_mps, right_mps, steps):
     """Drive for some steps of the physics; return whether the robot touched something.
 

@@ -96,7 +96,7 @@ def drawn_errors(model: OdometryModel, rng: np.random.Generator) -> NDArray[np.f
     )
 
 
-@njit(makes_arrays=False)
+@njit()
 def reckon(errors, pose, ticks, left_rad, right_rad, left_slip, right_slip):  # type: ignore[no-untyped-def]
     """Move the believed pose on by what the encoders report; changes `pose` and `ticks`.
 

@@ -97,20 +97,20 @@ class Readings(NamedTuple):
     edge: NDArray[np.float64]
 
 
-@njit(makes_arrays=False)
+@njit()
 def _map_of(maps, robot):
     log_odds, kind, gains, shapes, grids = maps
     return Maps(log_odds[robot], kind[robot], gains[robot], shapes[robot], grids[robot])
 
 
-@njit(makes_arrays=False)
+@njit()
 def _bits(log_odds):
     place = (min(max(log_odds, -_LIMIT), _LIMIT) + _LIMIT) * (_STEPS / (2 * _LIMIT))
     low = min(int(place), _STEPS - 1)
     return _BITS[low] + (place - low) * (_BITS[low + 1] - _BITS[low])
 
 
-@njit(makes_arrays=False)
+@njit()
 def _add_reading(own, sensor, cones, readings, i, cells, runs):
     """Add reading `i`, taken at a sensor (x, y, axis), to one robot's map; see `add_fresh`."""
     log_odds, kind, gains, shape, grid = own
@@ -176,7 +176,7 @@ def fresh_echoes(states, limit_m):
     return range_m[:count], number
 
 
-@njit(makes_arrays=False)
+@njit()
 def add_fresh(states, rows, maps, cones, readings, cells, runs):
     """Add the readings of the last control step to the maps of robots.
 
@@ -210,7 +210,7 @@ def add_fresh(states, rows, maps, cones, readings, cells, runs):
             _add_reading(own, sensor, cones, readings, i, cells, runs)
 
 
-@njit(makes_arrays=False)
+@njit()
 def _see_patch(patch, pose, own, cell_m):
     """Write the map around one robot; see `see_patches`."""
     log_odds, _, _, shape, grid = own
@@ -229,7 +229,7 @@ def _see_patch(patch, pose, own, cell_m):
             patch[i, j] = int(255.0 / (1.0 + math.exp(-known)) + 0.5) if known != 0.0 else 128
 
 
-@njit(makes_arrays=False)
+@njit()
 def see_patches(patches, states, maps, cell_m):
     """Write the maps around the robots as they see them.
 

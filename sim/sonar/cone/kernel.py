@@ -81,7 +81,7 @@ class FirstReturns(NamedTuple):
     bounces: NDArray[np.int16]
 
 
-@njit(makes_arrays=False)
+@njit()
 def turned(cos, sin, cos_bearing, sin_bearing):
     """Return the direction (x, y) at a bearing off an axis, both given as cosine and sine."""
     return cos * cos_bearing - sin * sin_bearing, sin * cos_bearing + cos * sin_bearing
@@ -185,7 +185,7 @@ def meet_surfaces(rays, leg_m, normal, surface, surfaces, threshold, bounce, fir
     return fan[on], origin[on], direction[on], travelled_m[on], strength[on]
 
 
-@njit(makes_arrays=False)
+@njit()
 def measured(echo_m, roughness_m, noise, noise_std_m, scale, quantum_m, near_m, far_m, silent_m):
     """Return what a sonar reads of an echo at a range.
 

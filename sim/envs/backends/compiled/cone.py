@@ -84,7 +84,7 @@ def cone_memory(rays):
     )
 
 
-@njit(error_model="numpy", makes_arrays=False)
+@njit(error_model="numpy")
 def cone_echo(table, room, near, sensor, ring, limits, surfaces, memory):
     """Return the echo that one transducer detects.
 

@@ -55,7 +55,7 @@ def faces_near(table, room, x, y, reach_m):
     return near[:count]
 
 
-@njit(error_model="numpy", makes_arrays=False)
+@njit(error_model="numpy")
 def meet_fan(table, near, x, y, dx, dy, rays, reach_m, leg_m, face):
     """Write the first face that each ray of a fan meets and how far it is; -1 and inf for none.
 
@@ -98,7 +98,7 @@ def meet_fan(table, near, x, y, dx, dy, rays, reach_m, leg_m, face):
             _meet_segment(i, ax, ay, ex, ey, dx, dy, reach_m, leg_m, face)
 
 
-@njit(error_model="numpy", makes_arrays=False)
+@njit(error_model="numpy")
 def _meet_segment(number, ax, ay, ex, ey, dx, dy, reach_m, leg_m, face):
     """Let all rays meet a segment, given as its begin as seen from theirs and its extent."""
     height = ax * ey - ay * ex
@@ -120,7 +120,7 @@ def _meet_segment(number, ax, ay, ex, ey, dx, dy, reach_m, leg_m, face):
         face[j] = number if meets else face[j]
 
 
-@njit(error_model="numpy", makes_arrays=False)
+@njit(error_model="numpy")
 def _meet_circle(radius, number, ax, ay, dx, dy, reach_m, leg_m, face):
     """Let all rays meet a circle, given by its centre as seen from theirs."""
     for j in range(dx.size):
