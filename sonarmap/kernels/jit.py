@@ -22,8 +22,9 @@ def njit(*, makes_arrays: bool = True, **options: Any) -> Callable[[Callable[...
     Parameters
     ----------
     makes_arrays : bool
-        False for a function that makes no arrays, nor lets others make any: then nobody counts
-        references to those that it is given, which can cost more than what it computes.
+        False for a function that makes no arrays, cuts none out of others and returns none, nor
+        lets others do so: then nobody counts references to those that it is given, which can cost
+        more than what it computes. Of any other function memory is lost or freed too early.
     **options
         As for `numba.njit`, but for ``cache`` and ``nogil``.
     """
