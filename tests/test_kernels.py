@@ -22,7 +22,7 @@ def functions():
                 yield pytest.param(node, id=f"{path.relative_to(ROOT)}:{node.name}")
 
 
-@pytest.mark.parametrize("function", functions())
+@pytest.mark.parametrize("function", list(functions()))
 def test_what_makes_no_arrays_makes_none(function):
     """Nobody counts references there: an array that is made, or cut out, would be freed or lost."""
     for node in ast.walk(function):
