@@ -17,6 +17,7 @@ from sim.sonar.physical.levels import (
     loudest_echo_db,
     mirror_echo_db,
     others_tvg_db,
+    power_db,
     tvg_db,
 )
 from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to
@@ -31,8 +32,8 @@ _SAME_LENGTH_M = 1e-3
 _BEYOND_M = 0.1
 # So far from an edge a ray shall meet its face, metres.
 _ON_FACE_M = 2e-4
-# A share of the power, so that none has a level, too; and the least of distances and cosines.
-_NOTHING, _LEAST = 1e-12, 1e-3
+# The least of distances and cosines.
+_LEAST = 1e-3
 # What is seen at such an angle from the perpendicular is as far away as anything.
 _LEVEL_RAD = math.radians(89.0)
 # Step of the search along a scattering face, radians.
@@ -84,7 +85,7 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
         q, x, y = int(corner[t.CORNER_OTHER]), corner[t.CORNER_X], corner[t.CORNER_Y]
         share = _corner_share(tracing, p, q, x, y, acoustics)
         level_db = surfaces[links[q, t.LINK_SURFACE], t.SURFACE_MIRROR]
-        level_db += 10 * math.log10(share + _NOTHING)
+        level_db += power_db(share)
         _add_point(found, tracing, p, x, y, level_db, surfaces, limits, acoustics)
     for edge in tracing.edges:
         p, x, y = int(edge[t.EDGE_FACE]), edge[t.EDGE_X], edge[t.EDGE_Y]
@@ -197,7 +198,7 @@ def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     loss_db = 2 * tracing.faces[p, t.FACE_LOSS]
     loss_db += surfaces[tracing.links[p, t.LINK_SURFACE], t.SURFACE_MIRROR]
     passed = _passed_share(tracing, p, theta, 2 * half_m, acoustics)
-    loss_db += 20 * math.log10(passed + _NOTHING)
+    loss_db += 2 * power_db(passed)
     return mirror_echo_db(acoustics, 2 * half_m) + 2 * beam_db(acoustics, theta) + loss_db
 
 
@@ -322,7 +323,7 @@ def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         return
     level_db = _echo_db(tracing, p, half_m, foot, surfaces, acoustics)
     share = _turned_share(tracing, p, foot, 2 * half_m, acoustics)
-    level_db += 10 * math.log10(share + amplitude(like[t.SURFACE_FLOOR]) ** 2 + _NOTHING)
+    level_db += power_db(share + amplitude(like[t.SURFACE_FLOOR]) ** 2)
     if _is_detectable(acoustics, limits, half_m, level_db):
         _check_unseen(found, tracing, p, foot, half_m)
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
@@ -433,7 +434,7 @@ def _add_path(found, tracing, p, sonar, ox, oy, share, surfaces, limits, acousti
     level_db += face[t.FACE_LOSS] + surfaces[links[t.LINK_SURFACE], t.SURFACE_MIRROR]
     power = _turned_share(tracing, p, theta, path_m, acoustics)
     power *= _passed_share(tracing, p, theta, path_m, acoustics)
-    level_db += tracing.gain_db[sonar] + 10 * math.log10(power + _NOTHING)
+    level_db += tracing.gain_db[sonar] + power_db(power)
     gain_db = others_tvg_db(acoustics, path_m)
     if is_own:
         gain_db = tvg_db(acoustics, path_m / acoustics.speed_mps)

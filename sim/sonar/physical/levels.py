@@ -26,6 +26,7 @@ __all__ = [
     "loudest_other_db",
     "mirror_echo_db",
     "others_tvg_db",
+    "power_db",
     "tvg_db",
     "widest_rad",
     "wrapped",
@@ -90,6 +91,12 @@ class Acoustics(NamedTuple):
 def amplitude(level_db):
     """Return the amplitude of a level against that of 0 dB; `exp` costs half of `pow`."""
     return math.exp(level_db * _NEPER_PER_DB)
+
+
+@njit(forceinline=True)
+def power_db(share):
+    """Return the level of a share of the power; no power has one, too, -120 dB."""
+    return 10 * math.log10(share + 1e-12)
 
 
 @njit(forceinline=True)

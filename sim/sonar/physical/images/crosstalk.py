@@ -15,14 +15,12 @@ from sim.sonar.physical.levels import (
     loudest_other_db,
     mirror_echo_db,
     others_tvg_db,
+    power_db,
 )
 from sim.sonar.physical.turning import edge_share_db, pillar_share_db, turning_place
 from sonarmap.kernels.jit import njit
 
 __all__ = ["find_crosstalk"]
-
-# A share of the power, so that none has a level, too.
-_NOTHING = 1e-12
 
 
 @njit(error_model="numpy", makes_arrays=False)
@@ -126,7 +124,7 @@ def find_crosstalk(
             )  # fmt: skip
             if level > 0:
                 share *= mirrors_share(faces, stops, acoustics, stack, level, px, py, path_m)
-            level_db += 10 * math.log10(share + _NOTHING)
+            level_db += power_db(share)
             if level_db + rise_db <= 0:
                 continue
             found[count, c.PATH], found[count, c.LEVEL] = path_m, level_db

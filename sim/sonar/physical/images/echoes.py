@@ -21,7 +21,14 @@ from sim.sonar.physical.images.paths import (
 )
 from sim.sonar.physical.images.room import FLUSH, RIGHT_ANGLE
 from sim.sonar.physical.images.shares import corner_share, face_share, mirrors_share
-from sim.sonar.physical.levels import about_own_db, amplitude, beam_db, mirror_echo_db, tvg_db
+from sim.sonar.physical.levels import (
+    about_own_db,
+    amplitude,
+    beam_db,
+    mirror_echo_db,
+    power_db,
+    tvg_db,
+)
 from sim.sonar.physical.turning import edge_share_db, pillar_share_db
 from sonarmap.kernels.jit import njit
 
@@ -39,8 +46,6 @@ __all__ = [
 _OVERHANG = 1e-9
 # From so far away a table of levels is right to so much.
 _TABLE_FROM_M, _TABLE_DB = 0.15, 0.5
-# A share of the power, so that none has a level, too.
-_NOTHING = 1e-12
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -116,9 +121,7 @@ def find_of_faces(
             )
             passed = _passed(faces, stops, acoustics, stack, level, ix + px, iy + py, 2 * half_m)
             # What a rough face scatters at its foot adds to the mirror's.
-            level_db += 10 * math.log10(
-                passed * passed * (share + amplitude(faces[i, c.FLOOR]) ** 2) + _NOTHING
-            )
+            level_db += power_db(passed * passed * (share + amplitude(faces[i, c.FLOOR]) ** 2))
             count = _with_echo(
                 acoustics, limits, echoes, count, 2 * half_m, level_db, faces[i, c.SURFACE], 0.0,
                 level, ix + px, iy + py, 0.0,
@@ -159,7 +162,7 @@ def find_of_faces(
                 (1 - back) * path_m, back * path_m,
             )  # fmt: skip
             share *= _passed(faces, stops, acoustics, stack, level, ix + qx, iy + qy, path_m)
-            level_db += 10 * math.log10(share + _NOTHING)
+            level_db += power_db(share)
             incidence_rad = math.acos(cos)
             count = _with_echo(
                 acoustics, limits, echoes, count, path_m, level_db, faces[i, c.SURFACE],
@@ -257,7 +260,7 @@ def _find_of_point(faces, points, arms, stops, acoustics, limits, stack, level, 
         return count
     if level > 0:
         passed = mirrors_share(faces, stops, acoustics, stack, level, px, py, 2 * half_m)
-        level_db += 20 * math.log10(passed + _NOTHING)
+        level_db += 2 * power_db(passed)
     if radius_m > 0:
         share_db = pillar_share_db(radius_m, 1.0, half_m, half_m)
         level_db += max(share_db, points[k, c.POINT_FLOOR]) + points[k, c.POINT_MIRROR]
@@ -297,7 +300,7 @@ def _corner_or_edge(faces, arms, acoustics, first, last, dx, dy, half_m):
     one, other = int(arms[right, c.ARM_FACE]), int(arms[left, c.ARM_FACE])
     share = corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m)
     mirrors_db = faces[one, c.MIRROR] + faces[other, c.MIRROR]
-    return min(one, other), mirrors_db + 10 * math.log10(share + _NOTHING)
+    return min(one, other), mirrors_db + power_db(share)
 
 
 @njit(error_model="numpy", makes_arrays=False)
