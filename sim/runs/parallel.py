@@ -207,8 +207,11 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-class Stopped(BaseException):
-    """The process that has begun this one does not want its task any more."""
+class Stopped(SystemExit):
+    """The process that has begun this one does not want its task any more.
+
+    Wherever it is raised, between two tasks too, Python ends the process without a word.
+    """
 
 
 def _end(processes: Iterable[BaseProcess]) -> None:
