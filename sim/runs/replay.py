@@ -17,6 +17,8 @@ from sim.runs.recorder import Recorder
 from sim.sonar import presets as sonars
 from sim.sonar.carried import carrying
 from sim.sonar.firing import fitted
+from sim.sonar.physical.sonar import PhysicalSonar
+from sim.sonar.physical.spread import TransducerSpread
 from sim.sonar.protocol import Sonar, SonarArray, from_sonars
 from sonarmap import Cause, InputError, SonarLog
 from sonarmap.account import ReadingAccount, account_of
@@ -170,7 +172,8 @@ def replay(
     world : World
         The room as it was measured.
     sonar : str or Sonar
-        The acoustics, see `simulate`; the ring is the log's.
+        The acoustics, see `simulate`; the ring is the log's. Nobody knows how its transducers
+        differ: they are all alike unless the sonar's `spread` has a seed.
     seed : int
         Of the noise, >= 0.
     poses : {"auto", "true", "odometry"}
@@ -203,7 +206,7 @@ def replay(
     if not len(used):
         raise InputError("log must have readings that are neither stale nor rejected, got none")
     where = used.at_true_poses() if is_true else used
-    heard = carrying(sonars.of(sonar), log.ring)
+    heard = _nominal(carrying(sonars.of(sonar), log.ring))
     recorder = Recorder(log.ring, world)
     rng = np.random.default_rng(seed)
     with open_engine(engine, world) as robot:
@@ -216,6 +219,13 @@ def replay(
         account=account_of(log, log.usable),
         poses="true" if is_true else "odometry",
     )
+
+
+def _nominal(sonar: Sonar) -> Sonar:
+    """Return a sonar with nominal transducers, unless it says which ones it has."""
+    if isinstance(sonar, PhysicalSonar) and sonar.spread.seed is None:
+        return sonar.replace(spread=TransducerSpread(0.0, 0.0))
+    return sonar
 
 
 def _fire_all(

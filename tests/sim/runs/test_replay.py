@@ -15,7 +15,7 @@ from sonarbed.studies.acoustics.reality import ROOM
 
 
 def quiet(name):
-    """Return a preset without noise; its transducers are alike, for a replay draws its own."""
+    """Return a preset without noise; its transducers are alike, as those of a replay are."""
     sonar = presets.preset(name)
     if name == "physical":
         return sonar.replace(
@@ -136,3 +136,16 @@ def test_the_real_log_fits_the_hallway_that_was_made_after_it():
     beside = np.isin(told.log.sonar, (0, 7)) & told.both_measured
     off_m = np.abs(told.log.range_m[beside] - told.simulated.range_m[beside])
     assert np.median(off_m) < 0.2
+
+
+def test_transducers_of_a_replay_are_nominal_unless_a_seed_tells_which_they_are():
+    room, sonar = worlds.load("l-shape"), quiet("physical")
+    log = sim.simulate(room, scans=15, seed=0, sonar=sonar, engine="segments")
+    drawn = sim.replay(log, room, sonar=sonar.replace(spread=sim.TransducerSpread()))
+    assert drawn.agreement == 1
+    known = sonar.replace(spread=sim.TransducerSpread(3.0, 0.05, seed=1))
+    levels = [
+        sim.replay(log, room, sonar=known, seed=seed).simulated.truth.level_db for seed in (0, 5)
+    ]
+    np.testing.assert_array_equal(*levels)
+    assert not np.array_equal(levels[0], drawn.simulated.truth.level_db, equal_nan=True)
