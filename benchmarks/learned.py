@@ -104,8 +104,9 @@ def readings(poses, logs) -> None:
     score = reduce(add, (sm.score_readings(log, mend.apply(log)) for log in logs))
     show("wrong readings: area under ROC", score.roc_auc, "0.998")
     show("caught while 1 % of right ones are lost", score.caught_at_lost_1_percent, "0.96")
-    threshold = np.quantile(score.doubt[~score.is_wrong], 0.99)
-    caught = score.is_wrong & (score.doubt > threshold)
+    # Of a reading without opinion, as one that is too close, there is no doubt.
+    doubt = np.nan_to_num(score.doubt)
+    caught = score.is_wrong & (doubt > np.quantile(doubt[~score.is_wrong], 0.99))
     mended = score.is_mended & caught
     near = mended.sum() / (caught & score.updated).sum()
     show("of these, if mended, to within 10 cm of truth", near, "0.95")
