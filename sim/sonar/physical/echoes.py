@@ -122,7 +122,7 @@ def confirmed(sounds, checks, leg_m):
     return sounds[free]
 
 
-@njit()
+@njit(makes_arrays=False)
 def _add(found, tracing, p, listener, path_m, level_db, incidence_rad):
     sound = found.sounds[found.counts[0]]
     sound[t.SOUND_SOURCE], sound[t.SOUND_LISTENER] = tracing.links[p, t.LINK_SONAR], listener
@@ -135,7 +135,7 @@ def _add(found, tracing, p, listener, path_m, level_db, incidence_rad):
     found.counts[0] += 1
 
 
-@njit()
+@njit(makes_arrays=False)
 def _check(found, x, y, dx, dy, length_m):
     """Ask for a ray that belongs to the next sound to be added."""
     check = found.checks[found.counts[1]]
@@ -175,7 +175,7 @@ def _check_unseen(found, tracing, p, theta, path_m):
     _check(found, x, y, dx, dy, path_m)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _foot(face):
     """Return distance and bearing of the foot of the perpendicular on a flat face."""
     nx, ny = face[t.FACE_NX], face[t.FACE_NY]
@@ -183,7 +183,7 @@ def _foot(face):
     return half_m, bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _is_detectable(acoustics, limits, half_m, level_db):
     """Return whether a sonar detects an echo of its own from so far away."""
     return (
@@ -192,7 +192,7 @@ def _is_detectable(acoustics, limits, half_m, level_db):
     )
 
 
-@njit()
+@njit(makes_arrays=False)
 def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     """Return the level of what a mirror in the place of a face would send back."""
     loss_db = 2 * tracing.faces[p, t.FACE_LOSS]
@@ -202,7 +202,7 @@ def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
     return mirror_echo_db(acoustics, 2 * half_m) + 2 * beam_db(acoustics, theta) + loss_db
 
 
-@njit()
+@njit(makes_arrays=False)
 def _turned_share(tracing, p, theta, path_m, acoustics):
     """Return the power that a face turns on a path that meets it at a bearing, by its size."""
     faces = tracing.faces
@@ -230,7 +230,7 @@ def _turned_share(tracing, p, theta, path_m, acoustics):
     return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _passed_share(tracing, p, theta, path_m, acoustics):
     """Return the power that the mirrors before a face let pass by their sizes, each once."""
     share, mirror = 1.0, tracing.links[p, t.LINK_MIRROR]
@@ -240,7 +240,7 @@ def _passed_share(tracing, p, theta, path_m, acoustics):
     return share
 
 
-@njit()
+@njit(makes_arrays=False)
 def _corner_share(tracing, p, q, x, y, acoustics):
     """Return the power of a right-angled corner of two faces, by its width across its sound."""
     faces, links = tracing.faces, tracing.links
@@ -254,7 +254,7 @@ def _corner_share(tracing, p, q, x, y, acoustics):
     return seen_share(acoustics.tables, -clearance, clearance)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _across_m(face, end_rad, theta):
     """Return how far the end of a face lies off a ray."""
     half_m, foot = _foot(face)
@@ -329,7 +329,7 @@ def _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         _add(found, tracing, p, tracing.links[p, t.LINK_SONAR], 2 * half_m, level_db, 0.0)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
     """Add what a flat face scatters: the first moment at which some place is loud enough."""
     face, like = tracing.faces[p], surfaces[tracing.links[p, t.LINK_SURFACE]]
@@ -367,7 +367,7 @@ def _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics):
         _add(found, tracing, p, own, path_m, loudness_db, abs(place - foot))
 
 
-@njit()
+@njit(makes_arrays=False)
 def _best_between_db(face, half_m, foot, nearest, limits, acoustics):
     """Return a level that no echo from within the limits of a flat face exceeds."""
     near_m = half_m / max(math.cos(nearest - foot), 1e-3)

@@ -156,7 +156,7 @@ def begin_tracing(sonars, sensor_xy_m, axis_rad, gain_db, lean_rad, bearing_rad,
     )
 
 
-@njit()
+@njit(makes_arrays=False)
 def _depart(ray, sensor_xy_m, axis_rad, gain_db, sonar, theta, reach_m):
     """Let a ray leave its transducer."""
     ray[t.RAY_X] = ray[t.RAY_IX] = sensor_xy_m[sonar, 0]
@@ -243,7 +243,7 @@ def _set_true_ranges(tracing, leg, limits):
             tracing.cone_range_m[sonar] = min(tracing.cone_range_m[sonar], met_m)
 
 
-@njit()
+@njit(makes_arrays=False)
 def _are_neighbours(leg, i):
     """Return whether ray `i` and the one before it left one transducer over the same mirrors."""
     a, b = leg.ids[i - 1], leg.ids[i]
@@ -299,14 +299,14 @@ def _find_faces(leg, surfaces, mirrors):
     return face, faces[:count], links[:count], ray_of[:count]
 
 
-@njit()
+@njit(makes_arrays=False)
 def bearing_to(face, x, y):
     """Return the bearing of departure at which a point is seen over the mirrors of a face."""
     towards = math.atan2(y - face[t.FACE_IY], x - face[t.FACE_IX])
     return face[t.FACE_THETA] + face[t.FACE_SIGN] * wrapped(towards - face[t.FACE_ALONG])
 
 
-@njit()
+@njit(makes_arrays=False)
 def distance_to(face, x, y):
     """Return the length of the path from the transducer to a point over the mirrors of a face."""
     return math.hypot(x - face[t.FACE_IX], y - face[t.FACE_IY])
@@ -377,7 +377,7 @@ def _find_boundaries(leg, face, faces, links, ray_of, surfaces, acoustics):
     return corners[:c], edges[:e], ends[:b]
 
 
-@njit()
+@njit(makes_arrays=False)
 def _reaches_plane(leg, i, face):
     """Return whether a ray goes so far that it would meet a face that went on."""
     ray, nx, ny = leg.rays[i], face[t.FACE_NX], face[t.FACE_NY]
@@ -386,12 +386,12 @@ def _reaches_plane(leg, i, face):
     return towards * ray[t.RAY_REACH] > height
 
 
-@njit()
+@njit(makes_arrays=False)
 def _path_m(leg, i):
     return leg.rays[i, t.RAY_PATH] + leg.leg_m[i]
 
 
-@njit()
+@njit(makes_arrays=False)
 def _meeting(one, other, cross):
     """Return the point where the lines of two faces meet."""
     a = one[t.FACE_NX] * one[t.FACE_X] + one[t.FACE_NY] * one[t.FACE_Y]
@@ -402,7 +402,7 @@ def _meeting(one, other, cross):
     )
 
 
-@njit()
+@njit(makes_arrays=False)
 def _is_hollow(leg, u, w, one, other, x, y):
     """Return whether each face stands before the other.
 
@@ -416,13 +416,13 @@ def _is_hollow(leg, u, w, one, other, x, y):
     return before > 0
 
 
-@njit()
+@njit(makes_arrays=False)
 def are_square(ax, ay, bx, by):
     """Return whether two normals are at a right angle."""
     return abs(ax * bx + ay * by) < _RIGHT_ANGLE
 
 
-@njit()
+@njit(makes_arrays=False)
 def _is_end_detectable(leg, near, far, surfaces, acoustics):
     """Return whether an end of a face between two rays may be detected as an edge or scatter."""
     half = _path_m(leg, near)
@@ -437,7 +437,7 @@ def _is_end_detectable(leg, near, far, surfaces, acoustics):
     return level_db + like[t.SURFACE_MIRROR] + returned_db + 6.0 > 0
 
 
-@njit()
+@njit(makes_arrays=False)
 def _is_end_near_foot(leg, near, face, surfaces, acoustics):
     """Return whether an end lies so near to the foot on its face that the level depends on it."""
     like = surfaces[leg.surface[near]]
@@ -493,7 +493,7 @@ def _mirrored(leg, face, surfaces, limits, acoustics, most_db):
     return ids[:count], rays[:count]
 
 
-@njit()
+@njit(makes_arrays=False)
 def _mirror(new, ray, leg_m, nx, ny):
     """Set the leg of a ray after the mirror that it met with this normal."""
     x, y = ray[t.RAY_X] + leg_m * ray[t.RAY_DX], ray[t.RAY_Y] + leg_m * ray[t.RAY_DY]
@@ -510,7 +510,7 @@ def _mirror(new, ray, leg_m, nx, ny):
     new[t.RAY_MX], new[t.RAY_MY] = nx, ny
 
 
-@njit()
+@njit(makes_arrays=False)
 def _is_open(end):
     return abs(end[t.END_OUTSIDE] - end[t.END_INSIDE]) > _END_RAD
 
