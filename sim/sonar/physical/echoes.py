@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim.sonar.physical import columns as t
-from sim.sonar.physical.fresnel import clearance_per_m, seen_share
+from sim.sonar.physical.fresnel import strip_share
 from sim.sonar.physical.levels import (
     amplitude,
     beam_bound_db,
@@ -20,7 +20,7 @@ from sim.sonar.physical.levels import (
     power_db,
     tvg_db,
 )
-from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to
+from sim.sonar.physical.tracing import OFF_SURFACE_M, are_square, bearing_to, distance_to, foot_of
 from sim.sonar.physical.turning import edge_share_db, pillar_share_db, turning_place
 from sonarmap.kernels.jit import njit
 
@@ -76,7 +76,7 @@ def find_sounds(tracing, sent_s, monostatic, surfaces, limits, acoustics):
         if surfaces[links[p, t.LINK_SURFACE], t.SURFACE_RADIUS] > 0:
             _add_pillar(found, tracing, p, monostatic, surfaces, limits, acoustics)
             continue
-        half_m, foot = _foot(faces[p])
+        half_m, foot = foot_of(faces[p])
         _add_mirror(found, tracing, p, half_m, foot, surfaces, limits, acoustics)
         _add_scatter(found, tracing, p, half_m, foot, surfaces, limits, acoustics)
         _add_bistatic(found, tracing, p, half_m, monostatic, surfaces, limits, acoustics)
@@ -176,14 +176,6 @@ def _check_unseen(found, tracing, p, theta, path_m):
 
 
 @njit(makes_arrays=False)
-def _foot(face):
-    """Return distance and bearing of the foot of the perpendicular on a flat face."""
-    nx, ny = face[t.FACE_NX], face[t.FACE_NY]
-    half_m = (face[t.FACE_IX] - face[t.FACE_X]) * nx + (face[t.FACE_IY] - face[t.FACE_Y]) * ny
-    return half_m, bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
-
-
-@njit(makes_arrays=False)
 def _is_detectable(acoustics, limits, half_m, level_db):
     """Return whether a sonar detects an echo of its own from so far away."""
     return (
@@ -206,7 +198,7 @@ def _echo_db(tracing, p, half_m, theta, surfaces, acoustics):
 def _turned_share(tracing, p, theta, path_m, acoustics):
     """Return the power that a face turns on a path that meets it at a bearing, by its size."""
     faces = tracing.faces
-    half_m, foot = _foot(faces[p])
+    half_m, foot = foot_of(faces[p])
     low, high = tracing.links[p, t.LINK_LOW], tracing.links[p, t.LINK_HIGH]
     # In a hollow corner a face is mirrored on to where the other one ends.
     low_rad = high_rad = math.nan
@@ -226,8 +218,7 @@ def _turned_share(tracing, p, theta, path_m, acoustics):
         high_m = max(half_m * math.tan(high_rad - foot) - at_m, 0.0)
     cos = max(math.cos(theta - foot), _LEAST)
     one_m = max(half_m / cos, _LEAST)
-    per_m = cos * clearance_per_m(acoustics.wavelength_m, one_m, max(path_m - one_m, _LEAST))
-    return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
+    return strip_share(acoustics, low_m, high_m, cos, one_m, path_m - one_m)
 
 
 @njit(makes_arrays=False)
@@ -250,14 +241,13 @@ def _corner_share(tracing, p, q, x, y, acoustics):
         width_m = min(width_m, _across_m(faces[p], faces[p, t.FACE_LOW], theta))
     if links[q, t.LINK_HIGH] != t.GOES_ON:
         width_m = min(width_m, _across_m(faces[q], faces[q, t.FACE_HIGH], theta))
-    clearance = width_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m)
-    return seen_share(acoustics.tables, -clearance, clearance)
+    return strip_share(acoustics, -width_m, width_m, 1.0, half_m, half_m)
 
 
 @njit(makes_arrays=False)
 def _across_m(face, end_rad, theta):
     """Return how far the end of a face lies off a ray."""
-    half_m, foot = _foot(face)
+    half_m, foot = foot_of(face)
     return half_m / max(math.cos(end_rad - foot), _LEAST) * math.sin(abs(end_rad - theta))
 
 

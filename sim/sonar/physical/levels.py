@@ -16,6 +16,8 @@ from sim.sonar.physical import tables
 from sonarmap.kernels.jit import njit
 
 __all__ = [
+    "ABOUT_DB",
+    "ABOUT_FROM_M",
     "Acoustics",
     "about_own_db",
     "amplitude",
@@ -34,6 +36,8 @@ __all__ = [
 
 
 _NEPER_PER_DB = math.log(10) / 20
+ABOUT_FROM_M, ABOUT_DB = 0.3, 0.5
+"""From a path so long on `about_own_db` is right to so much."""
 # Entries of the beam's tables in a radian.
 _PER_RAD = (tables.BEAM_STEPS - 1) / math.pi
 
@@ -168,7 +172,7 @@ def loudest_echo_db(acoustics, path_m):
 
 @njit(forceinline=True)
 def about_own_db(acoustics, path_m):
-    """Return `loudest_echo_db` from a table: within 0.2 dB beyond 0.3 m of path."""
+    """Return `loudest_echo_db` from a table, within `ABOUT_DB` beyond `ABOUT_FROM_M` of path."""
     place = min(int(path_m / acoustics.path_step_m + 0.5), tables.PATH_STEPS - 1)
     return acoustics.tables[tables.OWN + place]
 

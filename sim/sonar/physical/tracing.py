@@ -307,6 +307,14 @@ def bearing_to(face, x, y):
 
 
 @njit(makes_arrays=False)
+def foot_of(face):
+    """Return distance and bearing of the foot of the perpendicular on a flat face."""
+    nx, ny = face[t.FACE_NX], face[t.FACE_NY]
+    half_m = (face[t.FACE_IX] - face[t.FACE_X]) * nx + (face[t.FACE_IY] - face[t.FACE_Y]) * ny
+    return half_m, bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
+
+
+@njit(makes_arrays=False)
 def distance_to(face, x, y):
     """Return the length of the path from the transducer to a point over the mirrors of a face."""
     return math.hypot(x - face[t.FACE_IX], y - face[t.FACE_IY])
@@ -441,11 +449,9 @@ def _is_end_detectable(leg, near, far, surfaces, acoustics):
 def _is_end_near_foot(leg, near, face, surfaces, acoustics):
     """Return whether an end lies so near to the foot on its face that the level depends on it."""
     like = surfaces[leg.surface[near]]
-    nx, ny = face[t.FACE_NX], face[t.FACE_NY]
-    half_m = (face[t.FACE_IX] - face[t.FACE_X]) * nx + (face[t.FACE_IY] - face[t.FACE_Y]) * ny
+    half_m, foot = foot_of(face)
     if like[t.SURFACE_RADIUS] > 0 or half_m < OFF_SURFACE_M:
         return False
-    foot = bearing_to(face, face[t.FACE_IX] - nx, face[t.FACE_IY] - ny)
     aside_m = half_m * math.tan(min(abs(leg.rays[near, t.RAY_THETA] - foot), 1.5))
     if aside_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m) > _NEAR_FOOT:
         return False

@@ -22,6 +22,8 @@ from sim.sonar.physical.images.paths import (
 from sim.sonar.physical.images.room import FLUSH, RIGHT_ANGLE
 from sim.sonar.physical.images.shares import corner_share, face_share, mirrors_share
 from sim.sonar.physical.levels import (
+    ABOUT_DB,
+    ABOUT_FROM_M,
     about_own_db,
     amplitude,
     beam_db,
@@ -35,6 +37,7 @@ from sonarmap.kernels.jit import njit
 __all__ = [
     "crossing_s",
     "edge_seen",
+    "far_left_m",
     "find_of_faces",
     "find_of_points",
     "has_late",
@@ -44,8 +47,6 @@ __all__ = [
 
 # Feet may lie this share of a face's length beyond its ends, so that none is lost at a joint.
 _OVERHANG = 1e-9
-# From so far away a table of levels is right to so much.
-_TABLE_FROM_M, _TABLE_DB = 0.15, 0.5
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -65,6 +66,14 @@ def crossing_s(acoustics, path_m, level_db):
     return at_s if at_s <= acoustics.window_s else math.inf
 
 
+@njit(error_model="numpy", forceinline=True)
+def far_left_m(acoustics, limits, echoes):
+    """Return from how far away something may still come before the best echo, or be heard late."""
+    if limits.is_late:
+        return limits.reach_m
+    return min(limits.reach_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+
+
 @njit(error_model="numpy", makes_arrays=False)
 def find_of_faces(
     faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level,
@@ -79,9 +88,7 @@ def find_of_faces(
     first, last = 0, len(faces)
     if listed:
         first, last = int(faces[mirror, c.FIRST]), int(faces[mirror, c.LAST])
-    far_m = limits.reach_m
-    if not limits.is_late:
-        far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+    far_m = far_left_m(acoustics, limits, echoes)
     ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
     right_x, right_y = stack[level, c.RIGHT_X], stack[level, c.RIGHT_Y]
     left_x, left_y = stack[level, c.LEFT_X], stack[level, c.LEFT_Y]
@@ -119,7 +126,9 @@ def find_of_faces(
             share = face_share(
                 faces, stops, acoustics, i, height, foot_m, foot_m, 1.0, half_m, half_m
             )
-            passed = _passed(faces, stops, acoustics, stack, level, ix + px, iy + py, 2 * half_m)
+            passed = mirrors_share(
+                faces, stops, acoustics, stack, level, ix + px, iy + py, 2 * half_m
+            )
             # What a rough face scatters at its foot adds to the mirror's.
             level_db += power_db(passed * passed * (share + amplitude(faces[i, c.FLOOR]) ** 2))
             count = _with_echo(
@@ -161,7 +170,7 @@ def find_of_faces(
                 faces, stops, acoustics, i, height, along / length_m, at / length_m, cos,
                 (1 - back) * path_m, back * path_m,
             )  # fmt: skip
-            share *= _passed(faces, stops, acoustics, stack, level, ix + qx, iy + qy, path_m)
+            share *= mirrors_share(faces, stops, acoustics, stack, level, ix + qx, iy + qy, path_m)
             level_db += power_db(share)
             incidence_rad = math.acos(cos)
             count = _with_echo(
@@ -181,9 +190,7 @@ def find_of_points(
     first, last = len(faces), len(faces) + len(points)
     if listed:
         first, last = int(faces[mirror, c.FIRST_POINT]), int(faces[mirror, c.LAST])
-    far_m = limits.reach_m
-    if not limits.is_late:
-        far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+    far_m = far_left_m(acoustics, limits, echoes)
     edge_m = min(far_m, limits.edge_reach_m)
     ix, iy = stack[level, c.IMAGE_X], stack[level, c.IMAGE_Y]
     right_x, right_y = stack[level, c.RIGHT_X], stack[level, c.RIGHT_Y]
@@ -217,22 +224,14 @@ def _may_be_heard(acoustics, stack, level, px, py, radius_m, is_edge):
     Most places do not, and the exact level costs more.
     """
     half_m = math.sqrt(px * px + py * py) - radius_m
-    if half_m < _TABLE_FROM_M:
+    if 2 * half_m < ABOUT_FROM_M:
         return True
     ax, ay = stack[level, c.AXIS_X], stack[level, c.AXIS_Y]
     sent_db = beam_db(acoustics, math.atan2(ax * py - ay * px, ax * px + ay * py))
     most_db = about_own_db(acoustics, 2 * half_m) + 2 * (stack[level, c.LOSS] + sent_db)
     if is_edge:
         most_db += edge_share_db(acoustics.edge_db, half_m, half_m)
-    return most_db + FOCUS_DB + _TABLE_DB > 0
-
-
-@njit(error_model="numpy", makes_arrays=False)
-def _passed(faces, stops, acoustics, stack, level, x, y, path_m):
-    """Return `mirrors_share`, for a call costs where there are none."""
-    if level == 0:
-        return 1.0
-    return mirrors_share(faces, stops, acoustics, stack, level, x, y, path_m)
+    return most_db + FOCUS_DB + ABOUT_DB > 0
 
 
 @njit(error_model="numpy", forceinline=True)

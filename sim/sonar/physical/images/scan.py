@@ -12,6 +12,7 @@ from sim.sonar.physical.fresnel import FOCUS_DB
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.crosstalk import find_crosstalk
 from sim.sonar.physical.images.echoes import (
+    far_left_m,
     find_of_faces,
     find_of_points,
     has_late,
@@ -91,32 +92,22 @@ def _own_sounds(
     level = 0
     while level >= 0:
         if stack[level, c.NEXT] == 0:
-            for of_points in (False, True):
-                if of_points:
-                    found = find_of_points(
-                        faces, points, arms, stops, before, is_listed, acoustics, limits, stack,
-                        level, echoes,
-                    )  # fmt: skip
-                else:
-                    found = find_of_faces(
-                        faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack,
-                        level, echoes,
-                    )  # fmt: skip
-                if found > 1:
-                    found = take_first(rays, stack, level, x, y, echoes, found)
-                if limits.is_late:
-                    for e in range(1, found):
-                        if has_late(limits, echoes[e, c.PATH]) and is_free(
-                            rays, stack, level, x, y, echoes, e
-                        ):
-                            sounds, count = _with_sound(
-                                sounds, count, sent_s, sonar, sonar, echoes, e, level
-                            )
+            found = find_of_faces(
+                faces, stops, before, is_listed, acoustics, limits, x, y, axis, stack, level, echoes
+            )
+            sounds, count = _settled(
+                rays, limits, sent_s, sonar, x, y, stack, level, echoes, found, sounds, count
+            )
+            found = find_of_points(
+                faces, points, arms, stops, before, is_listed, acoustics, limits, stack, level,
+                echoes,
+            )  # fmt: skip
+            sounds, count = _settled(
+                rays, limits, sent_s, sonar, x, y, stack, level, echoes, found, sounds, count
+            )
             find_scatter(faces, before, is_listed, rays, acoustics, limits, stack, level, echoes)
             stack[level, c.NEXT] = 0
-        far_m = limits.reach_m
-        if not limits.is_late:
-            far_m = min(far_m, echoes[0, c.CROSSING] * acoustics.speed_mps / 2)
+        far_m = far_left_m(acoustics, limits, echoes)
         if level < limits.max_bounces and next_image(
             faces, before, is_listed, rays, acoustics, stack, level, far_m, 0.0, 0.0, 0.0
         ):
@@ -128,6 +119,18 @@ def _own_sounds(
         sounds, count = _with_sound(
             sounds, count, sent_s, sonar, sonar, echoes, 0, int(echoes[0, c.BOUNCES])
         )
+    return sounds, count
+
+
+@njit(error_model="numpy")
+def _settled(rays, limits, sent_s, sonar, x, y, stack, level, echoes, found, sounds, count):
+    """Let the first free echo that was found be the best; add those that the next firing hears."""
+    if found > 1:
+        found = take_first(rays, stack, level, x, y, echoes, found)
+    if limits.is_late:
+        for e in range(1, found):
+            if has_late(limits, echoes[e, c.PATH]) and is_free(rays, stack, level, x, y, echoes, e):
+                sounds, count = _with_sound(sounds, count, sent_s, sonar, sonar, echoes, e, level)
     return sounds, count
 
 

@@ -14,6 +14,8 @@ from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.echoes import crossing_s
 from sim.sonar.physical.images.paths import EDGE_ON_M, bearing, blocked_at, seen_part
 from sim.sonar.physical.levels import (
+    ABOUT_DB,
+    ABOUT_FROM_M,
     about_own_db,
     beam_db,
     lost_reach_m,
@@ -34,8 +36,6 @@ _COARSE_RAD, _NEARLY_DB, _RISES, _HALVES = math.radians(0.5), 0.5, 10, 10
 _SAME_S = 3e-8
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _LEAST_COS = 1e-3
-# From so far away a table of levels is right to so much.
-_TABLE_FROM_M, _TABLE_DB = 0.15, 0.5
 # So many separate parts of a rough face, and so many places hidden by something, are looked at.
 _MOST_PARTS, _MOST_HIDDEN = 16, 40
 
@@ -141,7 +141,7 @@ def _first_place(acoustics, half_m, foot, loss_db, most_db, low, high, until_s):
         if cos < _LEAST_COS or 2 * half_m >= first_s * speed_mps * cos:
             continue
         about_db = about_own_db(acoustics, 2 * half_m / cos) + sent_db + loss_db
-        if half_m > _TABLE_FROM_M and about_db + _TABLE_DB <= -_NEARLY_DB:
+        if 2 * half_m > ABOUT_FROM_M and about_db + ABOUT_DB <= -_NEARLY_DB:
             continue
         at_s = _scatter_at(acoustics, half_m, foot, loss_db, theta)[0]
         if at_s < first_s:

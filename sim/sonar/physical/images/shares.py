@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 
-from sim.sonar.physical.fresnel import clearance_per_m, seen_share
+from sim.sonar.physical.fresnel import strip_share
 from sim.sonar.physical.images import columns as c
 from sim.sonar.physical.images.extents import extent
 from sonarmap.kernels.jit import njit
 
 __all__ = ["corner_share", "face_share", "mirrors_share"]
 
-# Nothing is nearer to a face than this: the wave length would not be small any more.
+# Of the way from an image to its mirror.
 _LEAST_M = 1e-3
-# Edge-on a face has no width; so little keeps "farther than any" apart from that.
-_LEAST_COS = 1e-9
 
 
 @njit(error_model="numpy", makes_arrays=False)
@@ -31,10 +29,7 @@ def face_share(faces, stops, acoustics, i, height, foot_m, at_m, cos, one_m, oth
         How far the sound goes before and after the face.
     """
     low_m, high_m = extent(faces, stops, i, height, foot_m, at_m)
-    per_m = max(cos, _LEAST_COS) * clearance_per_m(
-        acoustics.wavelength_m, max(one_m, _LEAST_M), max(other_m, _LEAST_M)
-    )
-    return seen_share(acoustics.tables, low_m * per_m, high_m * per_m)
+    return strip_share(acoustics, low_m, high_m, cos, one_m, other_m)
 
 
 @njit(error_model="numpy", makes_arrays=False)
@@ -46,9 +41,7 @@ def corner_share(arms, acoustics, right, right_rad, left, left_rad, half_m):
     width_m = min(
         arms[right, c.ARM_LEFT] * math.sin(right_rad), arms[left, c.ARM_RIGHT] * math.sin(left_rad)
     )
-    half_m = max(half_m, _LEAST_M)
-    clearance = width_m * clearance_per_m(acoustics.wavelength_m, half_m, half_m)
-    return seen_share(acoustics.tables, -clearance, clearance)
+    return strip_share(acoustics, -width_m, width_m, 1.0, half_m, half_m)
 
 
 @njit(error_model="numpy", makes_arrays=False)
