@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 import sonarmap as sm
 import worlds
+from sim.runs.jobs import one_thread_each
 from sonarmap.files import atomic_path, make_folder
 from sonarmap.learned.channels import channels
 
@@ -21,8 +23,9 @@ __all__ = ["CELL_M", "PADDING_M", "Example", "logs_of", "make_examples", "readin
 CELL_M = 0.05
 # Beyond the room on every side, so that the border of a grid does not give its walls away.
 PADDING_M = 1.2
-# Shares of the logs that are thinned, and that have true poses: what polished ones come near to.
-_THINNED, _TRUE_POSES = 0.2, 0.2
+# Shares of the logs that are thinned, that have true poses, and that have refined ones: maps are
+# made by poses of each kind. Assumed.
+_THINNED, _TRUE_POSES, _REFINED_POSES = 0.2, 0.2, 0.3
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,11 @@ def make_examples(data_sets: list[Path], folder: Path, *, seed: int, workers: in
     make_folder(folder)
     files = [file for data_set in data_sets for file in logs_of(data_set)]
     one = partial(_make, folder, seed)
-    with ProcessPoolExecutor(workers) as pool:
+    # Fresh processes, for a library's threads are decided on when it is imported.
+    with (
+        one_thread_each(),
+        ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool,
+    ):
         return list(pool.map(one, files, range(len(files)), chunksize=4))
 
 
@@ -77,8 +84,11 @@ def readings_of(file: Path, number: int, seed: int) -> tuple[sm.SonarLog, worlds
     rng = np.random.default_rng([seed, number])
     if rng.random() < _THINNED:
         log = log.select(rng.random(len(log)) < rng.uniform(0.25, 0.6))
-    if rng.random() < _TRUE_POSES:
+    poses = rng.random()
+    if poses < _TRUE_POSES:
         log = log.at_true_poses()
+    elif poses < _TRUE_POSES + _REFINED_POSES:
+        log = sm.refine_poses(log)
     return log, world, split
 
 

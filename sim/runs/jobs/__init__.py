@@ -13,7 +13,7 @@ kill could tear, and the same call finishes what is missing.
 
 from sim.runs.jobs.cluster import DaskCluster
 from sim.runs.jobs.job import Job, JobFailure, digest_of
-from sim.runs.jobs.processes import Processes, ThisProcess, Workers
+from sim.runs.jobs.processes import Processes, ThisProcess, Workers, one_thread_each
 from sim.runs.jobs.running import JobProgress, JobsReport, run_jobs
 from sim.runs.jobs.store import LocalStore, RemoteStore, Store, open_store
 
@@ -30,6 +30,7 @@ __all__ = [
     "ThisProcess",
     "Workers",
     "digest_of",
+    "one_thread_each",
     "open_store",
     "run_jobs",
 ]

@@ -19,7 +19,7 @@ from sim.runs.jobs.store import Store
 from sim.runs.parallel import Stopped, end_when_told, interrupts_held_back
 from sonarmap.errors import InputError, whole
 
-__all__ = ["Processes", "ThisProcess", "Workers"]
+__all__ = ["Processes", "ThisProcess", "Workers", "one_thread_each"]
 
 # Read by numerical libraries when they are loaded: the processes are the threads.
 _THREADS = (
@@ -191,14 +191,14 @@ class _Team:
         context = multiprocessing.get_context("spawn")
         ours, theirs = context.Pipe()
         process = context.Process(target=_work, args=(theirs, self.store), daemon=True)
-        with interrupts_held_back(), _one_thread_each():
+        with interrupts_held_back(), one_thread_each():
             process.start()
         theirs.close()
         return _Worker(process, ours, job)
 
 
 @contextlib.contextmanager
-def _one_thread_each() -> Iterator[None]:
+def one_thread_each() -> Iterator[None]:
     """Let processes that begin in the block use one thread a library."""
     before = {name: os.environ.get(name) for name in _THREADS}
     os.environ.update(dict.fromkeys(_THREADS, "1"))

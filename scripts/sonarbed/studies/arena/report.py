@@ -17,6 +17,7 @@ from sonarbed.reporting.section import Item, Section
 from sonarbed.studies.arena.contrasts import contrasts, skill_by_scans
 from sonarbed.studies.arena.entries import NO_FILTER, Entry, Variant
 from sonarbed.studies.arena.jobs import DriveJob, seen_of
+from sonarbed.studies.arena.methods import each_method
 from sonarbed.studies.arena.plan import ArenaPlan
 from sonarbed.studies.arena.questions import answers
 from sonarbed.studies.arena.running import ArenaResult
@@ -111,12 +112,12 @@ def _about(plan: ArenaPlan, table: Table, result: ArenaResult) -> str:
         "without truth and provenance, on a grid that reaches 1.5 to 2 m beyond the room; only the "
         "oracles among the filters know more. Skill is 1 - H(map) / H(sheet), H the log loss and "
         "the sheet a constant map with the room's own share of walls. Intervals are 95 % over "
-        "rooms, by bootstrap; seconds are a shared machine's."
+        "rooms, by bootstrap; seconds are of one processor."
     )
 
 
 def _leaderboards(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
-    items = []
+    items = [each_method(context, table)]
     for sonar in plan.sonars:
         for group in ("shipped", "generated"):
             rows = [r for r in table.rows if r["sonar"] == sonar and r["group"] == group]
