@@ -8,6 +8,7 @@ from mapper_training.calibrating import fit_two_numbers
 from mapper_training.examples import Example, logs_of, make_examples
 from mapper_training.exporting import weights_of
 from mapper_training.fitting import Fitting, _Crops, _turn, fit, logits_of
+from mapper_training.learning_curve import learning_curve
 from mapper_training.network import UNet
 from mapper_training.rooms_and_logs import make_logs
 from sonarmap.learned.channels import CHANNELS
@@ -135,3 +136,18 @@ def test_data_are_made_of_rooms_that_are_held_out_as_rooms(data):
         assert each.channels.shape == (len(CHANNELS), *each.state.shape)
         assert each.observable.any()
         assert not each.observable[each.state == HIDDEN].any()
+
+
+def test_a_learning_curve_is_resumed(rng, tmp_path):
+    train, held_out = [example(rng) for _ in range(8)], [example(rng) for _ in range(2)]
+    told, file = [], tmp_path / "curve.jsonl"
+    asked = {"room_shares": (0.25, 1), "widths": ((4, 6), (6, 8)), "on_point": told.append}
+    points = learning_curve(train, held_out, SMALL, file, **asked)
+    assert [(p.rooms, p.widths) for p in points] == [(2, (4, 6)), (8, (4, 6)), (8, (6, 8))]
+    assert points[2].parameters > points[1].parameters == points[0].parameters
+    assert told == points
+    # What is there is not fitted again: with nothing to fit to, nothing could be.
+    file.write_text("".join(file.read_text().splitlines(keepends=True)[:2]))
+    told.clear()
+    again = learning_curve(train, held_out, SMALL, file, **asked)
+    assert again == points
