@@ -1,12 +1,14 @@
-"""How many cores this process may use: the one place that knows."""
+"""How many cores this process may use, and how many its linear algebra takes."""
 
 from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["usable_cores"]
+__all__ = ["one_blas_thread", "usable_cores"]
 
 _CGROUP = Path("/sys/fs/cgroup")
 
@@ -21,6 +23,19 @@ def usable_cores() -> int:
     except AttributeError:  # not on Linux
         cores = os.cpu_count() or 1
     return max(1, min(cores, _share_of_time()))
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Let the linear algebra of numpy and scipy use one thread in the block.
+
+    For many small products: those of several threads wait for each other by spinning, which helps
+    little on free cores and takes thirty times as long where one of the cores is taken.
+    """
+    from threadpoolctl import ThreadpoolController  # looks at the libraries that are loaded by now
+
+    with ThreadpoolController().limit(limits=1, user_api="blas"):
+        yield
 
 
 def _share_of_time() -> int:

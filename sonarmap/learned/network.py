@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sonarmap.cores import one_blas_thread
 from sonarmap.learned.weights import Layer, Weights
 
 __all__ = ["logits"]
@@ -38,7 +39,8 @@ def logits(weights: Weights, channels: NDArray[np.float32]) -> NDArray[np.float3
         for left in range(0, cols, _TILE):
             low, high = max(top - _HALO, 0), min(top + _TILE + _HALO, rows)
             west, east = max(left - _HALO, 0), min(left + _TILE + _HALO, cols)
-            tile = _tile_logits(weights, channels[:, low:high, west:east])
+            with one_blas_thread():
+                tile = _tile_logits(weights, channels[:, low:high, west:east])
             here = (slice(top, top + _TILE), slice(left, left + _TILE))
             part = out[:, *here]
             part[:] = tile[

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from sonarmap.cores import one_blas_thread
 from sonarmap.poses.echoes import UsedEchoes
 from sonarmap.poses.path import CorrectedPath
 from sonarmap.poses.walls import Walls, attributed
@@ -52,15 +53,16 @@ def fitted(
     used, wall = np.unique(wall, return_inverse=True)
     agreement = _Agreement(echoes.some(echo), wall, path, sigma_m)
     axis_rad = square_axis(walls[used, 0], agreement.support)
-    found = least_squares(
-        agreement.residuals,
-        np.concatenate([parameters, walls[used].ravel(), [axis_rad]]),
-        agreement.jacobian,
-        loss=agreement.loss,  # type: ignore[arg-type]  # the stubs know but one shape
-        max_nfev=_STEPS,
-        ftol=_LEAST_GAIN,
-        x_scale="jac",
-    )
+    with one_blas_thread():
+        found = least_squares(
+            agreement.residuals,
+            np.concatenate([parameters, walls[used].ravel(), [axis_rad]]),
+            agreement.jacobian,
+            loss=agreement.loss,  # type: ignore[arg-type]  # the stubs know but one shape
+            max_nfev=_STEPS,
+            ftol=_LEAST_GAIN,
+            x_scale="jac",
+        )
     m = path.parameters
     return found.x[:m], found.x[m:-1].reshape(-1, 2)
 
