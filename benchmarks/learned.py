@@ -17,6 +17,7 @@ from sim.sonar.presets import PHYSICAL
 from sonarmap.learned.weights import SHIPPED
 
 SEEDS, SCANS = (0, 1), 400
+NEAR_M, BESIDE_RAD = 0.1, 0.03
 SONAR = PHYSICAL.replace(search="images")
 THESIS = sm.method("bayes-parameterized")
 METHODS = {
@@ -57,6 +58,7 @@ def main() -> None:
     for poses, logs in (("odometry", drives), ("refined poses", refined)):
         readings(poses, [log for some in logs.values() for log in some])
     one_at_a_time(drives)
+    heard(drives)
     show("time for 500 scans in office, s", timed(), "0.2")
     show("size of the weights, MB", SHIPPED.stat().st_size / 1e6, "under 1")
 
@@ -147,6 +149,34 @@ def one_at_a_time(drives) -> None:
         show(f"readings judged by the {what}: area under ROC", score.roc_auc, None)
         share = score.caught_at_lost_1_percent
         show(f"readings judged by the {what}: caught at 1 % lost", share, None)
+
+
+def heard(drives) -> None:
+    """Print which share of the wall cells in view lies on the arc of a right echo."""
+    shares = {}
+    for room, logs in drives.items():
+        counts = [_heard(worlds.load(room), log.at_true_poses()) for log in logs]
+        shares[room] = np.sum(counts, axis=0)
+    pooled = np.sum(list(shares.values()), axis=0)
+    show("wall cells within 10 cm of the arc of a right echo", pooled[0] / pooled[1], None)
+    print(
+        "the same by room: " + ", ".join(f"{room} {a / b:.2f}" for room, (a, b) in shares.items())
+    )
+
+
+def _heard(world, log) -> tuple[int, int]:
+    truth = worlds.truth(world)
+    wall = (truth.state == worlds.OCCUPIED) & truth.observable(log)
+    cell_x_m, cell_y_m = truth.grid.centre_of(*np.nonzero(wall))
+    right = (log.truth.cause <= sm.Cause.OFF_AXIS) & np.isfinite(log.range_m) & log.usable
+    met = np.zeros(cell_x_m.size, bool)
+    for k in np.flatnonzero(right):
+        x_m, y_m = cell_x_m - log.sensor_xy_m[k, 0], cell_y_m - log.sensor_xy_m[k, 1]
+        off_rad = np.angle(np.exp(1j * (np.arctan2(y_m, x_m) - log.axis_rad[k])))
+        near = np.abs(np.hypot(x_m, y_m) - log.range_m[k]) <= NEAR_M
+        # The centre of a cell may lie a little beside the cone that touches it.
+        met |= near & (np.abs(off_rad) <= log.ring.half_angle_rad + BESIDE_RAD)
+    return int(met.sum()), met.size
 
 
 def timed() -> float:
