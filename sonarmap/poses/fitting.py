@@ -19,7 +19,7 @@ _TEMPER = 0.5
 # Walls of rooms mostly stand square to each other (Coughlan and Yuille 1999: a Manhattan world).
 # By so much they do, radians; those that do not lose little by it: the loss is robust. A wall of
 # so many echoes has half a vote. All chosen on generated rooms, a third of them not square.
-_SQUARE_RAD = 0.01
+_SQUARE_RAD = 0.006
 _HALF_A_VOTE = 20.0
 # So far off walls still have a say in which way is square, radians (assumed).
 _ASKEW_RAD = 0.03

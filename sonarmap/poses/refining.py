@@ -15,7 +15,7 @@ __all__ = ["refine_poses"]
 
 # How far echoes may lie off a wall, round by round: first walls are blurred by the drift that is
 # looked for, at last they are as sharp as the sonar (metres; chosen on generated rooms).
-_SIGMAS_M = (0.12, 0.08, 0.05, 0.03, 0.02, 0.02)
+_SIGMAS_M = (0.12, 0.08, 0.05, 0.03, 0.02, 0.01)
 _FITS = 2
 _LEAST_ECHOES = 20
 
