@@ -9,11 +9,13 @@ from operator import add
 from time import process_time
 
 import numpy as np
+from scipy.stats import rankdata
 
 import sonarmap as sm
 import worlds
 from sim import simulate
 from sim.sonar.presets import PHYSICAL
+from sonarmap.learned.readings import FEATURES, features_of
 from sonarmap.learned.weights import SHIPPED
 
 SEEDS, SCANS = (0, 1), 400
@@ -57,6 +59,7 @@ def main() -> None:
     told("learned, true poses", scored(learned, true, truths), {"F1 within 10 cm": "0.94"})
     for poses, logs in (("odometry", drives), ("refined poses", refined)):
         readings(poses, [log for some in logs.values() for log in some])
+    survival_alone([log for some in drives.values() for log in some])
     one_at_a_time(drives)
     heard(drives)
     show("time for 500 scans in office, s", timed(), "0.2")
@@ -149,6 +152,22 @@ def one_at_a_time(drives) -> None:
         show(f"readings judged by the {what}: area under ROC", score.roc_auc, None)
         share = score.caught_at_lost_1_percent
         show(f"readings judged by the {what}: caught at 1 % lost", share, None)
+
+
+def survival_alone(logs) -> None:
+    """Print how well the plainest thing does: does the map let a ray come near to the reading?"""
+    for name in ("axis_survival_-0.15", "mean_survival_-0.15"):
+        doubt, wrong = [], []
+        for log in logs:
+            log = log.select(log.usable & (log.range_m >= 0))
+            features, _ = features_of(log, METHODS["learned"].map(log, sm.grid_over(log)))
+            doubt.append(-features[:, FEATURES.index(name)])
+            wrong.append(log.truth.cause > sm.Cause.OUT_OF_RANGE)
+        doubt, wrong = np.concatenate(doubt), np.concatenate(wrong)
+        ranks = rankdata(doubt)[wrong].sum() - wrong.sum() * (wrong.sum() + 1) / 2
+        show(f"{name} alone: area under ROC", ranks / (wrong.sum() * (~wrong).sum()), None)
+        caught = doubt[wrong] > np.quantile(doubt[~wrong], 0.99)
+        show(f"{name} alone: caught while 1 % of right ones are lost", caught.mean(), None)
 
 
 def heard(drives) -> None:
