@@ -9,7 +9,6 @@ from operator import add
 from time import process_time
 
 import numpy as np
-from scipy.stats import rankdata
 
 import sonarmap as sm
 import worlds
@@ -61,7 +60,7 @@ def main() -> None:
         readings(poses, [log for some in logs.values() for log in some])
     survival_alone([log for some in drives.values() for log in some])
     one_at_a_time(drives)
-    heard(drives)
+    heard(drives, truths)
     show("time for 500 scans in office, s", timed(), "0.2")
     show("size of the weights, MB", SHIPPED.stat().st_size / 1e6, "under 1")
 
@@ -156,25 +155,25 @@ def one_at_a_time(drives) -> None:
 
 def survival_alone(logs) -> None:
     """Print how well the plainest thing does: does the map let a ray come near to the reading?"""
+    logs = [log.select(log.usable & (log.range_m >= 0)) for log in logs]
+    learned = METHODS["learned"]
+    features = [features_of(log, learned.map(log, sm.grid_over(log)))[0] for log in logs]
     for name in ("axis_survival_-0.15", "mean_survival_-0.15"):
-        doubt, wrong = [], []
-        for log in logs:
-            log = log.select(log.usable & (log.range_m >= 0))
-            features, _ = features_of(log, METHODS["learned"].map(log, sm.grid_over(log)))
-            doubt.append(-features[:, FEATURES.index(name)])
-            wrong.append(log.truth.cause > sm.Cause.OUT_OF_RANGE)
-        doubt, wrong = np.concatenate(doubt), np.concatenate(wrong)
-        ranks = rankdata(doubt)[wrong].sum() - wrong.sum() * (wrong.sum() + 1) / 2
-        show(f"{name} alone: area under ROC", ranks / (wrong.sum() * (~wrong).sum()), None)
-        caught = doubt[wrong] > np.quantile(doubt[~wrong], 0.99)
-        show(f"{name} alone: caught while 1 % of right ones are lost", caught.mean(), None)
+        column = FEATURES.index(name)
+        doubted = (
+            log.replace(doubt=1 - of[:, column]) for log, of in zip(logs, features, strict=True)
+        )
+        score = reduce(add, map(sm.score_readings, logs, doubted))
+        show(f"{name} alone: area under ROC", score.roc_auc, None)
+        share = score.caught_at_lost_1_percent
+        show(f"{name} alone: caught while 1 % of right ones are lost", share, None)
 
 
-def heard(drives) -> None:
+def heard(drives, truths) -> None:
     """Print which share of the wall cells in view lies on the arc of a right echo."""
     shares = {}
     for room, logs in drives.items():
-        counts = [_heard(worlds.load(room), log.at_true_poses()) for log in logs]
+        counts = [_heard(truths[room], log.at_true_poses()) for log in logs]
         shares[room] = np.sum(counts, axis=0)
     pooled = np.sum(list(shares.values()), axis=0)
     show("wall cells within 10 cm of the arc of a right echo", pooled[0] / pooled[1], None)
@@ -183,8 +182,7 @@ def heard(drives) -> None:
     )
 
 
-def _heard(world, log) -> tuple[int, int]:
-    truth = worlds.truth(world)
+def _heard(truth, log) -> tuple[int, int]:
     wall = (truth.state == worlds.OCCUPIED) & truth.observable(log)
     cell_x_m, cell_y_m = truth.grid.centre_of(*np.nonzero(wall))
     right = (log.truth.cause <= sm.Cause.OFF_AXIS) & np.isfinite(log.range_m) & log.usable

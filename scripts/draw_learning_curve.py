@@ -15,7 +15,7 @@ from typing import Annotated
 
 import typer
 
-from mapper_training.examples import Example
+from mapper_training.examples import load_split
 from mapper_training.fitting import Fitting
 from mapper_training.learning_curve import Point, learning_curve
 from sonarbed.console import say
@@ -34,9 +34,7 @@ def main(
     """Measure and draw how the learned mapper gains by rooms and by parameters."""
     for name in ("steps", "threads"):
         positive(f"--{name}", locals()[name])
-    examples = [Example.load(file) for file in sorted((folder / "examples").glob("*.npz"))]
-    train = [each for each in examples if each.split == "train"]
-    held_out = [each for each in examples if each.split != "train"]
+    train, held_out = load_split(sorted((folder / "examples").glob("*.npz")))
     if not train or not held_out:
         raise InputError(f"{folder}: no examples; make them by scripts/train_mapper.py --out")
     points = learning_curve(

@@ -20,7 +20,7 @@ from typing import Annotated
 import typer
 
 from mapper_training.card import Made, write_card
-from mapper_training.examples import Example, logs_of, make_examples
+from mapper_training.examples import load_split, logs_of, make_examples
 from mapper_training.exporting import weights_of
 from mapper_training.finishing import finish
 from mapper_training.fitting import Fitting, Progress, fit
@@ -51,9 +51,7 @@ def main(
     make_folder(out)
     data_sets = make_logs(out / "logs", rooms=rooms, seed=seed, workers=workers)
     files = make_examples(data_sets, out / "examples", seed=seed, workers=workers)
-    examples = [Example.load(file) for file in files]
-    train = [each for each in examples if each.split == "train"]
-    held_out = [each for each in examples if each.split != "train"]
+    train, held_out = load_split(files)
     say(f"{len(train)} drives to train on, {len(held_out)} in rooms held out")
     net = fit(
         train,
@@ -74,7 +72,7 @@ def main(
         parameters=sum(each.numel() for each in net.parameters()),
         train=len(train),
         held_out=len(held_out),
-        groups=Counter(each.group for each in examples),
+        groups=Counter(each.group for each in train + held_out),
         figures=done.figures,
         reading=done.reading,
     )

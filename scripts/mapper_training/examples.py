@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,15 @@ from sim.runs.jobs import one_thread_each
 from sonarmap.files import atomic_path, make_folder
 from sonarmap.learned.channels import channels
 
-__all__ = ["CELL_M", "PADDING_M", "Example", "logs_of", "make_examples", "readings_of"]
+__all__ = [
+    "CELL_M",
+    "PADDING_M",
+    "Example",
+    "load_split",
+    "logs_of",
+    "make_examples",
+    "readings_of",
+]
 
 CELL_M = 0.05
 # Beyond the room on every side, so that the border of a grid does not give its walls away.
@@ -74,6 +82,13 @@ def make_examples(data_sets: list[Path], folder: Path, *, seed: int, workers: in
         ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool,
     ):
         return list(pool.map(one, files, range(len(files)), chunksize=4))
+
+
+def load_split(files: Iterable[Path]) -> tuple[list[Example], list[Example]]:
+    """Return the examples of rooms to train on, and those of rooms that are held out."""
+    examples = [Example.load(file) for file in files]
+    train = [each for each in examples if each.split == "train"]
+    return train, [each for each in examples if each.split != "train"]
 
 
 def readings_of(file: Path, number: int, seed: int) -> tuple[sm.SonarLog, worlds.World, str]:

@@ -8,6 +8,8 @@ and is cleared.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,14 +37,12 @@ def logits(weights: Weights, channels: NDArray[np.float32]) -> NDArray[np.float3
     """
     rows, cols = channels.shape[1:]
     out = np.empty((2, rows, cols), np.float32)
-    for top in range(0, rows, _TILE):
-        for left in range(0, cols, _TILE):
+    with one_blas_thread():
+        for top, left in product(range(0, rows, _TILE), range(0, cols, _TILE)):
             low, high = max(top - _HALO, 0), min(top + _TILE + _HALO, rows)
             west, east = max(left - _HALO, 0), min(left + _TILE + _HALO, cols)
-            with one_blas_thread():
-                tile = _tile_logits(weights, channels[:, low:high, west:east])
-            here = (slice(top, top + _TILE), slice(left, left + _TILE))
-            part = out[:, *here]
+            tile = _tile_logits(weights, channels[:, low:high, west:east])
+            part = out[:, top : top + _TILE, left : left + _TILE]
             part[:] = tile[
                 :, top - low : top - low + part.shape[1], left - west : left - west + part.shape[2]
             ]

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import operator
 
 import gymnasium
 import numpy as np
@@ -50,6 +51,14 @@ def test_it_knows_a_room_that_it_has_never_seen():
     assert score.calibration_error < 0.04
     rival = sm.method("bayes-parameterized").map(log, truth.grid)
     assert sm.score_map(rival, truth, observable=observable).skill < 0
+
+
+def test_probabilities_are_calibrated_in_rooms_that_were_never_seen():
+    scores = []
+    for room in worlds.names():
+        log, truth, observable = drive(room)
+        scores.append(sm.score_map(learned(log, truth.grid), truth, observable=observable))
+    assert functools.reduce(operator.add, scores).calibration_error <= 0.02
 
 
 def test_what_was_observed_is_about_what_could_be_seen():

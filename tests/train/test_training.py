@@ -138,7 +138,7 @@ def test_data_are_made_of_rooms_that_are_held_out_as_rooms(data):
         assert not each.observable[each.state == HIDDEN].any()
 
 
-def test_a_learning_curve_is_resumed(rng, tmp_path):
+def test_a_learning_curve_is_resumed(rng, tmp_path, monkeypatch):
     train, held_out = [example(rng) for _ in range(8)], [example(rng) for _ in range(2)]
     told, file = [], tmp_path / "curve.jsonl"
     asked = {"room_shares": (0.25, 1), "widths": ((4, 6), (6, 8)), "on_point": told.append}
@@ -146,8 +146,14 @@ def test_a_learning_curve_is_resumed(rng, tmp_path):
     assert [(p.rooms, p.widths) for p in points] == [(2, (4, 6)), (8, (4, 6)), (8, (6, 8))]
     assert points[2].parameters > points[1].parameters == points[0].parameters
     assert told == points
-    # What is there is not fitted again: with nothing to fit to, nothing could be.
+    # Of what is there nothing is fitted again, only what was cut off.
     file.write_text("".join(file.read_text().splitlines(keepends=True)[:2]))
-    told.clear()
-    again = learning_curve(train, held_out, SMALL, file, **asked)
-    assert again == points
+    fitted = []
+
+    def counted(some, held_out, fitting):
+        fitted.append((len(some), fitting.widths))
+        return fit(some, held_out, fitting)
+
+    monkeypatch.setattr("mapper_training.learning_curve.fit", counted)
+    assert learning_curve(train, held_out, SMALL, file, **asked) == points
+    assert fitted == [(8, (6, 8))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from typing import get_args
 
 import numpy as np
@@ -12,7 +13,7 @@ from sonarbed.reporting.section import Item
 from sonarbed.studies.arena.entries import NO_FILTER, Entry, Variant
 from sonarbed.studies.arena.table import Standing, Table
 
-__all__ = ["COLUMNS", "each_method", "firsts", "method_rows"]
+__all__ = ["COLUMNS", "best_of_each", "each_method", "firsts", "method_rows"]
 
 COLUMNS = (
     "method",
@@ -27,15 +28,15 @@ COLUMNS = (
 _AS_PUBLISHED = "as published"
 
 
-def each_method(context: StudyContext, table: Table) -> Item:
-    """Return the table of methods over all sonars and rooms, and how far the first is ahead."""
-    ways = _ways(table)
-    finding = _ahead(table, ways)
+def each_method(context: StudyContext, table: Table) -> Iterator[Item]:
+    """Yield the table of methods over all rooms and sonars, if any ran without a filter."""
+    if not best_of_each(table):
+        return
     rows = [tuple(cell.replace("**", "") for cell in row) for row in method_rows(table)]
-    return Item(
+    yield Item(
         "Each method three ways",
         "which method knows most over all rooms and sonars, at its best?",
-        finding,
+        _ahead(table),
         (),
         (
             context.table(
@@ -45,11 +46,16 @@ def each_method(context: StudyContext, table: Table) -> Item:
     )
 
 
+def best_of_each(table: Table) -> list[Entry]:
+    """Return each method without a filter once, as it stands best, the best first."""
+    return [Entry(method, NO_FILTER, next(iter(ways))) for method, ways in _ways(table).items()]
+
+
 def method_rows(table: Table) -> list[tuple[str, ...]]:
     """Return a row a method without a filter, the best first; its best way is in ``**``."""
     rows = []
     for method, ways in _ways(table).items():
-        best = _best(ways)
+        best = next(iter(ways.values()))
         skills = [
             _AS_PUBLISHED
             if variant not in ways
@@ -76,7 +82,7 @@ def firsts(table: Table) -> dict[tuple[str, str], tuple[dict[str, int], int]]:
 
     A method counts by its best way over all of the table; rooms without a wall do not count.
     """
-    entries = [_best(ways).entry for ways in _ways(table).values()]
+    entries = [entry.label for entry in best_of_each(table)]
     found = {}
     for sonar in sorted({row["sonar"] for row in table.rows}):
         for group in sorted({row["group"] for row in table.rows}):
@@ -97,11 +103,11 @@ def firsts(table: Table) -> dict[tuple[str, str], tuple[dict[str, int], int]]:
 
 
 def _ways(table: Table) -> dict[str, dict[Variant, Standing]]:
-    """Return how each method stands each way, the method first whose best is best."""
+    """Return how each method stands each way, best first: the methods, and the ways of each."""
+    methods = {str(row["method"]) for row in table.rows if row["filter"] == NO_FILTER}
     labels = {
-        Entry(row["method"], NO_FILTER, variant).label: (row["method"], variant)
-        for row in table.rows
-        if row["filter"] == NO_FILTER
+        Entry(method, NO_FILTER, variant).label: (method, variant)
+        for method in methods
         for variant in get_args(Variant)
     }
     ways: dict[str, dict[Variant, Standing]] = {}
@@ -112,12 +118,8 @@ def _ways(table: Table) -> dict[str, dict[Variant, Standing]]:
     return ways
 
 
-def _best(ways: dict[Variant, Standing]) -> Standing:
-    return max(ways.values(), key=lambda each: each.skill.value)
-
-
-def _ahead(table: Table, ways: dict[str, dict[Variant, Standing]]) -> str:
-    best = [_best(each).entry for each in ways.values()]
+def _ahead(table: Table) -> str:
+    best = [entry.label for entry in best_of_each(table)]
     told = [
         f"in {counts.get(best[0], 0)} of {rooms} {group} rooms with the sonar {sonar}"
         for (sonar, group), (counts, rooms) in firsts(table).items()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 
@@ -15,9 +14,9 @@ from sonarbed.reporting.pictures import show_map, show_truth
 from sonarbed.reporting.report import write_report
 from sonarbed.reporting.section import Item, Section
 from sonarbed.studies.arena.contrasts import contrasts, skill_by_scans
-from sonarbed.studies.arena.entries import NO_FILTER, Entry, Variant
+from sonarbed.studies.arena.entries import NO_FILTER
 from sonarbed.studies.arena.jobs import DriveJob, seen_of
-from sonarbed.studies.arena.methods import each_method
+from sonarbed.studies.arena.methods import best_of_each, each_method
 from sonarbed.studies.arena.plan import ArenaPlan
 from sonarbed.studies.arena.questions import answers
 from sonarbed.studies.arena.running import ArenaResult
@@ -51,12 +50,13 @@ def write_arena_report(plan: ArenaPlan, result: ArenaResult, folder: Path) -> tu
     context = StudyContext(folder, report="arena", sonar=plan.sonars[0])
     context.claim()
     table = Table(result.rows)
-    sections = [
+    made = (
         _leaderboards(context.on_study("leaderboard"), table, plan),
         _questions(context.on_study("questions"), table, plan),
         _dependence(context.on_study("dependence"), table, plan),
         _maps(context.on_study("maps"), table, plan),
-    ]
+    )
+    sections = [section for section in made if section.items]
     for section in sections:
         section.save(context.folder / section.study)
     return write_report(
@@ -117,7 +117,7 @@ def _about(plan: ArenaPlan, table: Table, result: ArenaResult) -> str:
 
 
 def _leaderboards(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
-    items = [each_method(context, table)]
+    items = list(each_method(context, table))
     for sonar in plan.sonars:
         for group in ("shipped", "generated"):
             rows = [r for r in table.rows if r["sonar"] == sonar and r["group"] == group]
@@ -171,7 +171,8 @@ def _questions(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
 
 
 def _dependence(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
-    plain = Table([row for row in table.rows if row["filter"] == NO_FILTER])
+    # Filters have rows of their own; where nothing ran without one they are all there is.
+    plain = Table([row for row in table.rows if row["filter"] == NO_FILTER] or table.rows)
     standings = [each for each in plain.standings() if math.isfinite(each.skill.value)]
     shown = [each.entry for each in standings[:6]]
     figure, (axes,) = figure_with(width=7.5, height=4.4)
@@ -220,9 +221,11 @@ def _slope(x: Sequence[float], y: Sequence[float]) -> float:
 
 
 def _maps(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
-    methods = _best_of_each(table)[:_MAP_ENTRIES]
+    methods = best_of_each(table)[:_MAP_ENTRIES]
     items = []
-    for room in plan.rooms[:: max(1, len(plan.rooms) // _MAP_ROOMS)][:_MAP_ROOMS]:
+    # Without a method of its own there is nothing to show beside the truth.
+    rooms = plan.rooms if methods else ()
+    for room in rooms[:: max(1, len(plan.rooms) // _MAP_ROOMS)][:_MAP_ROOMS]:
         drive = DriveJob(room, plan.sonars[0], 0, plan.scans, plan.resolution_m)
         seen = seen_of(drive, context.folder.parent)
         cols = 5
@@ -248,19 +251,3 @@ def _maps(context: StudyContext, table: Table, plan: ArenaPlan) -> Section:
             )
         )
     return Section("maps", "Maps", tuple(items))
-
-
-def _best_of_each(table: Table) -> list[Entry]:
-    """Return each method without a filter once, as it stands best, the best first."""
-    entries = {
-        entry.label: entry
-        for row in table.rows
-        for variant in get_args(Variant)
-        if (entry := Entry(row["method"], row["filter"], variant)).label == row["entry"]
-    }
-    best: dict[str, Entry] = {}
-    for standing in table.standings():
-        entry = entries[standing.entry]
-        if entry.filter == NO_FILTER:
-            best.setdefault(entry.method, entry)
-    return list(best.values())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,11 @@ class Table:
 
     def standings(self) -> list[Standing]:
         """Return how all entries stand, the best mean skill first."""
+        return list(self._standings)
+
+    @cached_property
+    def _standings(self) -> list[Standing]:
+        """How all entries stand: a page asks for it again and again."""
         skills = {entry: self.room_skill(entry) for entry in self.entries}
         means = {entry: _mean(skill) for entry, skill in skills.items()}
         order = sorted(self.entries, key=lambda entry: (-_or_least(means[entry]), entry))

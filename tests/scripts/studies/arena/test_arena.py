@@ -184,6 +184,16 @@ def test_the_report_has_every_section(done):
     assert "data:image/png;base64," in html.read_text()
 
 
+def test_a_filtered_method_alone_has_a_report(tmp_path):
+    plan = ArenaPlan((Room("l-shape"),), ("thesis",), seeds=1, scans=25)
+    result = run_arena(plan, [Entry("bayes-parameterized", "hsr")], tmp_path)
+    _, markdown = write_arena_report(plan, result, tmp_path / "report")
+    text = markdown.read_text()
+    assert "First is hsr + bayes-parameterized" in text
+    assert "Maps" not in text
+    assert "Each method three ways" not in text
+
+
 def test_a_choice_made_the_other_way_is_what_the_core_says(done):
     folder, result = done
     context = StudyContext(folder / "report", report="arena", sonar="thesis").on_study("questions")

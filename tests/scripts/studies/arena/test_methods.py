@@ -5,7 +5,7 @@ from itertools import product
 import pytest
 
 from sonarbed.studies.arena.entries import Entry
-from sonarbed.studies.arena.methods import COLUMNS, firsts, method_rows
+from sonarbed.studies.arena.methods import COLUMNS, best_of_each, each_method, firsts, method_rows
 from sonarbed.studies.arena.table import Table
 
 GROUPS = {"x": "shipped", "y": "shipped", "z": "generated"}
@@ -71,3 +71,9 @@ def test_filtered_entries_do_not_count(table):
 def test_a_room_without_walls_has_no_first(table):
     hidden = [{**row, "skill": None} if row["room"] == "z" else row for row in table.rows]
     assert firsts(Table(hidden))["physical", "generated"] == ({}, 0)
+
+
+def test_without_a_method_of_its_own_there_is_no_table():
+    filtered = Table(rows_of(Entry("himm", "hsr"), (1, 1, 1)))
+    assert best_of_each(filtered) == []
+    assert list(each_method(None, filtered)) == []
